@@ -130,7 +130,7 @@ lint: install
 
 types: install
 	$(announce) 'types'
-	@$(BIN)/pyright
+	@$(BIN)/pyrefly check --summary=none
 
 rules: install
 	$(announce) 'layers'

@@ -128,7 +128,7 @@ def test_labels_are_markup_that_a_figure_may_draw(name):
 
 def test_symbols_cannot_be_changed():
     with pytest.raises(FrozenInstanceError):
-        describe("q").unit = "deg/s"  # pyright: ignore[reportAttributeAccessIssue]
+        describe("q").unit = "deg/s"  # pyrefly: ignore[read-only]
 
 
 def test_an_axis_names_its_displayed_unit():

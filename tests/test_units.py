@@ -46,8 +46,10 @@ def registry() -> pint.UnitRegistry:
 @pytest.mark.parametrize("symbol", units.SYMBOLS)
 def test_every_symbol_agrees_with_pint(symbol: str, registry: pint.UnitRegistry) -> None:
     if symbol in ("degC", "degF"):
+        # pyrefly: ignore[bad-argument-count, missing-attribute]
         oracle = registry.Quantity(3.7, symbol).to("kelvin").magnitude
     else:
+        # pyrefly: ignore[missing-attribute, unsupported-operation]
         oracle = (3.7 * registry(PINT_SPELLING.get(symbol, symbol))).to_base_units().magnitude
     assert float(units.to_si(3.7, symbol)) == pytest.approx(oracle, rel=1e-6)
 

@@ -249,6 +249,7 @@ def _apply(kind: Any, rules: Mapping[str, Any], *, strict: bool) -> Any:
     if is_dataclass(kind):
         return _find_body(cast(type, kind))
     if get_origin(kind) in (Union, UnionType):
+        # pyrefly: ignore[invalid-annotation]
         return Union[tuple(_apply_to(part, rules, strict=strict) for part in get_args(kind))]  # noqa: UP007
     return _constrain(_rebuild(kind, strict=strict), kind, rules, strict=strict)
 
@@ -267,6 +268,7 @@ def _rebuild(kind: Any, *, strict: bool) -> Any:
         items = tuple(
             one if one is Ellipsis else _apply_to(one, {}, strict=strict) for one in arguments
         )
+        # pyrefly: ignore[not-a-type]
         return tuple[items]
     if origin is dict:
         key, value = (_apply_to(one, {}, strict=strict) for one in arguments)
@@ -276,6 +278,7 @@ def _rebuild(kind: Any, *, strict: bool) -> Any:
 
 def _constrain(made: Any, kind: Any, rules: Mapping[str, Any], *, strict: bool) -> Any:
     if rules.get("choices"):
+        # pyrefly: ignore[invalid-literal]
         return Literal[rules["choices"]]
     bounds = {key: rules[key] for key in _BOUNDS if key in rules}
     if strict and kind in (int, float, bool):

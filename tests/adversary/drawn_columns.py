@@ -123,7 +123,7 @@ def _draw_style(rng: np.random.Generator) -> Callable[[str, str], str]:
         lambda name, unit: name.lower(),
         lambda name, unit: name,
     )
-    return forms[rng.integers(len(forms))]
+    return forms[int(rng.integers(len(forms)))]
 
 
 def _write(

@@ -107,7 +107,7 @@ def balance(shape: Shape, wing: Planform, generalized_mass: float) -> Shape:
     heave = masses @ free[:, 2] / wing.mass
     moment = -masses @ (points[:, 0] * free[:, 2]) + spin @ free[:, 4]
     pitch = moment / wing.pitch_inertia
-    bound = replace(shape, heave=heave, pitch=pitch)
+    bound = replace(shape, heave=heave, pitch=pitch)  # pyrefly: ignore[bad-argument-type]
     moved = bound.at(wing, points)
     rest = max(wing.mass - masses.sum(), 0.0)
     own = masses @ (moved[:, 0] ** 2 + moved[:, 2] ** 2) + spin @ moved[:, 4] ** 2

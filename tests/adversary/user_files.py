@@ -64,7 +64,7 @@ def _write_models(file: Path, aircraft: Aircraft, knowledge: Knowledge) -> None:
     strains = [[one.strain(aircraft.wing, *gauge) for gauge in gauges] for one in shapes]
     arrays["strain"] = 1e6 * np.array(strains)
     arrays["derivatives"] = knowledge.table
-    np.savez(file, **arrays)  # pyright: ignore[reportArgumentType]
+    np.savez(file, **arrays)  # pyrefly: ignore[bad-argument-type]
 
 
 def _describe_aircraft(aircraft: Aircraft, record: Record) -> str:

@@ -83,7 +83,7 @@ def mat(**changes: Any) -> bytes:
 
 def npz(**changes: Any) -> bytes:
     file = io.BytesIO()
-    np.savez(file, **{**GOOD, **changes})
+    np.savez(file, **{**GOOD, **changes})  # pyrefly: ignore[bad-argument-type]
     return file.getvalue()
 
 

@@ -400,7 +400,8 @@ def test_selected_analysis_and_elements_are_stored(client: TestClient) -> None:
     found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()
     labels = [one["label"] for file in found["files"] for one in file["analyses"]]
     assert labels == ["subcase 1: CLAMPED", "subcase 2: FREE"]
-    payload = {"aircraft_id": 1, "name": "x", "length_unit": "m", "generalized_mass": "unknown"}
+    payload: dict[str, Any] = {"aircraft_id": 1, "name": "x", "length_unit": "m"}
+    payload["generalized_mass"] = "unknown"
     payload["analyses"] = {"wing.f06": "subcase 3"}
     at = f"/api/v1/uploads/{identity}/modal-data"
     assert client.post(at, json=payload).json()["code"] == "unknown-analysis"
@@ -420,7 +421,7 @@ def test_mass_properties_of_a_printout_are_those_of_the_aircraft(client: TestCli
     found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()["files"]
     assert [file["mass"] for file in found] == [150.0, 200.0]
     at = f"/api/v1/uploads/{identity}/mass-properties"
-    payload = {"aircraft_id": 1, "length_unit": "m", "mass_unit": "kg"}
+    payload: dict[str, Any] = {"aircraft_id": 1, "length_unit": "m", "mass_unit": "kg"}
     assert client.post(at, json=payload).json()["code"] == "two-results"
     payload["fuel"] = {"full.f06": 1.0}
     before = client.get("/api/v1/aircraft/1").json()["mass"]

@@ -255,7 +255,7 @@ def clock_step(file: Path, rng: np.random.Generator, tally: Tally) -> None:
 
     class Stepped(datetime):
         @classmethod
-        def now(cls, tz=None):
+        def now(cls, tz=None):  # pyrefly: ignore[bad-override]
             return datetime.now(tz) + timedelta(seconds=offset[0])
 
     modules = [

@@ -102,11 +102,13 @@ def fill(url: str, n_maneuvers: int, n_runs: int) -> None:
             connection.execute(sa.insert(table).from_select(names, rows))
 
         n_flights = n_maneuvers // _PER_FLIGHT + 1
+        # pyrefly: ignore[unsupported-operation]
         copy(tables.flights, n_flights, sa.literal(flight), id=flight + k, number=k + 1)
         copy(
             tables.maneuvers,
             n_maneuvers,
             1 + k % 3,
+            # pyrefly: ignore[unsupported-operation]
             id=3 + k,
             flight_id=flight + 1 + k / _PER_FLIGHT,
             label=sa.func.concat("copy ", k),
@@ -115,15 +117,18 @@ def fill(url: str, n_maneuvers: int, n_runs: int) -> None:
             airspeed_m_s=25.0 + 0.3 * (k * 37 % 100),
         )
         of_copy = 1 + k % 9
+        # pyrefly: ignore[unsupported-operation]
         copy(tables.jobs, n_runs, of_copy, id=9 + k)
         copy(
             tables.runs,
             n_runs,
             of_copy,
+            # pyrefly: ignore[unsupported-operation]
             id=9 + k,
             maneuver_id=4 + k % n_maneuvers,
             result=sa.null(),  # 50 kB that lists do not read
         )
+        # pyrefly: ignore[unsupported-operation]
         copy(tables.run_summaries, n_runs, of_copy, run_id=9 + k)
     with store.database.engine.connect() as connection:
         connection.execution_options(isolation_level="AUTOCOMMIT").exec_driver_sql(

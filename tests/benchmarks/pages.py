@@ -87,7 +87,7 @@ def lay_out(url: str, n_maneuvers: int) -> None:
 
 def _copy_maneuver(store: Store, number: int, flight_id: int) -> None:
     template = 1 + number % 3
-    new = {
+    new: dict[str, object] = {
         "flight_id": flight_id,
         "label": f"maneuver {number}",
         "airspeed_ratio": 0.5 + 0.6 * ((number * 37) % 100) / 100,

@@ -346,7 +346,7 @@ def test_the_environment_names_database_and_port(monkeypatch, capsys, tmp_path: 
 
 
 def test_a_failed_run_reports_the_reason(flown_url: str, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("flexsid.workflow.runs.estimation.store_result", lambda *_: 1 / 0)
+    monkeypatch.setattr("flexsid.workflow.runs.estimation.store_result", lambda *_: 1 / 0)  # pyrefly: ignore[division-by-zero]
     error = refused(capsys, 1, *ESTIMATE, "--wait", "--database", flown_url)
     assert "run 2 failed" in error
 

@@ -50,6 +50,7 @@ role = "output"
 
 
 def test_runs_are_validated(workbench: Workbench) -> None:
+    # pyrefly: ignore[unsupported-operation]
     assert workbench.cross_predict([1]).loc[1, 1] > 0.9
     assert workbench.cross_validate(1, partition="frequencies")["refits"][0]["n_held_out"] > 50
 

@@ -77,6 +77,7 @@ def test_the_server_simulates_missing_maneuvers_beside_itself(whole: Store):
         assert last.id is not None
         whole.maneuvers.replace(replace(last, label="renamed"))
     heard: list[tuple[float, str]] = []
+    # pyrefly: ignore[bad-argument-type]
     process = CampaignProcess(whole.database.url.render_as_string(), lambda *one: heard.append(one))
     shown = process.check_health()
     assert shown is not None

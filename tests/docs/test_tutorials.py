@@ -193,13 +193,14 @@ def test_fdata_to_a_table_of_derivatives(
     for name, value in TRUE[axis].items():
         coefficient, _, variable = name.partition("_")
         true[f"{coefficient}_{surfaces.get(variable, variable)}"] = value
-    estimates = {}
+    estimates: dict[int, dict[str, tuple[float | None, float | None]]] = {}
     for run_id in (1, 2):
         result = store.runs.get(run_id).result
         assert result is not None
         estimates[run_id] = {p.name: (p.value, p.std_error) for p in result.parameters}
         assert set(estimates[run_id]) == set(true)
         for name, (value, std_error) in estimates[run_id].items():
+            assert value is not None
             assert std_error is not None
             assert abs(value - true[name]) < 3.0 * std_error + 0.002 * abs(true[name]), name
     if axis == "longitudinal":

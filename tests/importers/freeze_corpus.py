@@ -76,8 +76,8 @@ def main() -> None:
 
 def _freeze_matrices(folder: Path) -> Values:
     """Return matrices in every form that pyYeti writes, and DMIG that pyNastran reads."""
-    from pyNastran.bdf.bdf import BDF  # pyright: ignore[reportMissingImports]
-    from pyyeti.nastran import op4  # pyright: ignore[reportMissingImports]
+    from pyNastran.bdf.bdf import BDF
+    from pyyeti.nastran import op4
 
     rng = np.random.default_rng(1)
     square, wide = np.round(rng.normal(size=(6, 6)), 3), np.round(rng.normal(size=(3, 5)), 3)
@@ -119,7 +119,7 @@ def _freeze_matrix(path: Path, source: str, found: Values) -> Values:
 
 def _freeze_function(path: Path) -> Values:
     """Return samples of the first function of a universal file, as pyuff reads it."""
-    import pyuff  # pyright: ignore[reportMissingImports]
+    import pyuff
 
     with redirect_stdout(io.StringIO()):
         values = np.real(pyuff.UFF(str(path)).read_sets(0)["data"])
@@ -147,7 +147,7 @@ def define(name: str) -> Values:
 
 
 def _read_output(path: Path) -> Values:
-    from pyNastran.op2.op2_geom import OP2Geom  # pyright: ignore[reportMissingImports]
+    from pyNastran.op2.op2_geom import OP2Geom
 
     model = OP2Geom(debug=None)
     model.read_op2(str(path), build_dataframe=False)
@@ -173,7 +173,7 @@ def _read_output(path: Path) -> Values:
 
 
 def _read_deck(path: Path) -> Values:
-    from pyNastran.bdf.bdf import BDF  # pyright: ignore[reportMissingImports]
+    from pyNastran.bdf.bdf import BDF
 
     model = BDF(debug=None)
     bulk = path.with_suffix(".pch")
@@ -185,7 +185,7 @@ def _read_deck(path: Path) -> Values:
 
 
 def _read_printout(path: Path) -> Values:
-    from pyyeti.nastran.bulk import rdeigen  # pyright: ignore[reportMissingImports]
+    from pyyeti.nastran.bulk import rdeigen
 
     first = path.with_suffix(".first")  # of several subcases; a later table replaces the first
     text = path.read_text()
@@ -198,7 +198,7 @@ def _read_printout(path: Path) -> Values:
 
 
 def _read_universal(path: Path) -> Values:
-    import pyuff  # pyright: ignore[reportMissingImports]
+    import pyuff
 
     sets = pyuff.UFF(str(path)).read_sets()
     values: Values = {}

@@ -66,6 +66,7 @@ def list_promises() -> Promises:
     groups = [_of_entry_points(), _of_commands(), of_rest(openapi)]
     groups += map(of_table, _list_subclasses(MappingTable))
     for module in (flexsid.sysid, flexsid.client):
+        # pyrefly: ignore[missing-attribute]
         for name in module.__all__:
             groups.append(of_object(f"{module.__name__}.{name}", getattr(module, name)))
     # The client has objects of these classes as its properties.

@@ -113,7 +113,7 @@ def test_a_loop_with_lagging_forces_is_lost_where_the_truth_loses_it(store: Stor
             best.aircraft, derivatives=truth.derivatives_at(0.5, 2), shape=truth.shape_at(0.5, 2)
         ),
     )
-    known = replace(models, groups=(replace(models.best, found=true),))
+    known = replace(models, groups=[replace(models.best, found=true)])
     lost = analyse_closed_loop(store, known, controller.id or 0).lost_m_s
     assert lost is not None
     assert result.lost_m_s == pytest.approx(lost, rel=0.02)

@@ -340,7 +340,7 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
     """Two modes hold what the six others do statically, which grows with dynamic pressure."""
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9)).id or 0
-    ids: tuple[int, ...] = ()
+    ids: list[int] = []
     for ratio in (0.56, 0.62, 0.68, 0.80):
         maneuver = add_maneuver(store, fly(airspeed_ratio=ratio, seed=3), flight)
         request = EstimationRun(
@@ -354,24 +354,24 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
         assert claimed is not None
         computed = compute_run(prepare(store, run), lambda progress: None)
         store_result(store, run.id or 0, claimed.attempt, computed)
-        ids += (run.id or 0,)
+        ids.append(run.id or 0)
     truth = load_truth().flutter_speed_at(FUEL)
-    constant = analyse_flutter(store, FlutterQuery(run_ids=ids))
-    drifting = analyse_flutter(store, FlutterQuery(run_ids=ids, variation=Variation.LINEAR))
+    constant = analyse_flutter(store, FlutterQuery(run_ids=tuple(ids)))
+    drifting = analyse_flutter(store, FlutterQuery(run_ids=tuple(ids), variation=Variation.LINEAR))
     assert constant.airspeed_m_s is not None
     assert drifting.airspeed_m_s is not None
     assert abs(drifting.airspeed_m_s - truth) < abs(constant.airspeed_m_s - truth)
     assert "vary with dynamic pressure" in drifting.sentence
     assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
-    of_model = fuse_runs(store, FlutterQuery(run_ids=ids, variation=Variation.GLOBAL_MODEL))
+    of_model = fuse_runs(store, FlutterQuery(run_ids=tuple(ids), variation=Variation.GLOBAL_MODEL))
     predicted = summarise_flutter(store, of_model)
     assert "of a global model and are evaluated at the flutter point" in predicted.sentence
     assert predicted.airspeed_m_s is not None
     assert (predicted.low_m_s or np.nan) < truth < (predicted.high_m_s or np.nan)
     assert np.isfinite(map_flutter_speed(store, of_model).airspeed_m_s).all()
-    three = FlutterQuery(run_ids=ids[:3], variation=Variation.GLOBAL_MODEL)
+    three = FlutterQuery(run_ids=tuple(ids)[:3], variation=Variation.GLOBAL_MODEL)
     assert "a global model needs 4 runs or more" in analyse_flutter(store, three).sentence
-    two = analyse_flutter(store, FlutterQuery(run_ids=ids[:2], variation=Variation.LINEAR))
+    two = analyse_flutter(store, FlutterQuery(run_ids=tuple(ids)[:2], variation=Variation.LINEAR))
     assert "a trend needs more points" in two.sentence
 
 

@@ -250,9 +250,9 @@ def record_equivalent_system(seed: int, gain: float, roots: tuple[float, float, 
         later = 18.0 * (k // 4)
         steps[(time >= start + later) & (time < stop + later)] = 0.04 * sign * (-1) ** (k // 4)
     elevator = signal.lfilter(*signal.butter(2, 3.0, fs=1000.0), steps)
-    system = signal.TransferFunction(
-        [gain, gain * zero], [1.0, 2.0 * damping * frequency, frequency**2]
-    )
+    poles = [1.0, 2.0 * damping * frequency, frequency**2]
+    # pyrefly: ignore[direct-abstract-base-instantiation]
+    system = signal.TransferFunction([gain, gain * zero], poles)
     _, q, _ = signal.lsim(system, np.interp(time - tau, time, elevator, left=0.0), time)
     noise = 0.05 * q.std() * np.random.default_rng(seed).normal(size=time.size)
     return {"t": time[::20], "de": elevator[::20], "q": (q + noise)[::20]}

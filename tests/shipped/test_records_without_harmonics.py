@@ -119,8 +119,12 @@ def run_of_template(doublet: Doublet) -> Any:
 
 
 def run_of_batch(doublet: Doublet) -> Any:
-    body = {"name": "all", "maneuver_ids": [1], "methods": ["OE"]}
-    body["structures"] = [{"structure": RIGID}]
+    body: dict[str, Any] = {
+        "name": "all",
+        "maneuver_ids": [1],
+        "methods": ["OE"],
+        "structures": [{"structure": RIGID}],
+    }
     run = doublet.request()
     assert doublet.client.send("post", "batches", body)["repeated"] == 1
     return run

@@ -175,7 +175,7 @@ def flown_file(tmp_path: Path) -> Path:
     columns = {"elevator": elevator, "q": np.cumsum(elevator) / RATE_HZ}
     levels = {"v": 20.0, "h": 500.0, "f": 0.5}
     columns |= {name: np.full(N_SAMPLES, level) for name, level in levels.items()}
-    np.savez(file, **columns)
+    np.savez(file, **columns)  # pyrefly: ignore[bad-argument-type]
     return file
 
 

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -219,7 +220,7 @@ def test_the_time_of_a_search_grows_with_harmonics_band_and_effort():
     assert estimate_search_time_s(replace(known, inputs=(high,))) > estimate_search_time_s(known)
 
 
-def bad(**changes: object) -> DesignSpecification:
+def bad(**changes: Any) -> DesignSpecification:
     return replace(specification(503), **changes)
 
 

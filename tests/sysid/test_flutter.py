@@ -366,6 +366,7 @@ def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(
     if n_runs > 1:
         assert found.aircraft.modes.omega == pytest.approx(true.modes.omega, rel=2e-3)
         alone = fuse_identified(
+            # pyrefly: ignore[bad-specialization]
             [replace(p, stiffness=replace(p.stiffness, slopes=None)) for p in parts],
             replace(parts[0].aircraft, condition=true.condition),
         )

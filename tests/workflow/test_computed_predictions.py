@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -246,11 +247,12 @@ def test_a_planform_gives_derivatives_of_lateral_motion_and_their_flutter(store:
     assert "no longitudinal derivatives" in refused["message"]
 
     check_prediction(store, replace(lateral, source="other"))
-    for change, words in (
+    changes: tuple[tuple[dict[str, Any], str], ...] = (
         ({"surfaces": whole.surfaces}, "'bfs'"),
         ({"surfaces": (replace(whole.surfaces[0], name="bfl"),)}, "moves on one side"),
         ({"axis": "combined"}, "longitudinal or lateral"),
-    ):
+    )
+    for change, words in changes:
         with pytest.raises(FlexsidError, match=words):
             check_prediction(store, replace(lateral, source="other", **change))
     with pytest.raises(BadInput, match="antisymmetric modes, which are 8, 10"):

@@ -142,6 +142,8 @@ def test_frequency_responses_fill_in_with_their_standard_errors(stream):
         if frame.number in (120, 179):
             found.append(processor.compute_responses())
     first, last = found
+    assert first is not None
+    assert last is not None
     assert (last.outputs, last.inputs) == (OUTPUTS, stream.task.inputs)
     assert last.frequency_hz.size > 1.3 * first.frequency_hz.size
     # Of the two modes that fly; the model of the estimate is nearer to them.

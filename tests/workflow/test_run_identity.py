@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -25,7 +26,7 @@ def flown(flown_url: str):
     store.close()
 
 
-def build_run(store: Store, **changes: object) -> EstimationRun:
+def build_run(store: Store, **changes: Any) -> EstimationRun:
     first = store.runs.get(1)
     run = EstimationRun(
         maneuver_id=1, method=Method.EE, structure=first.structure, settings=first.settings

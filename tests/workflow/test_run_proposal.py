@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -48,11 +49,12 @@ def bands(both_bands: Path, tmp_path: Path) -> Iterator[Store]:
     store.close()
 
 
-def _build_run(maneuver: int, method: Method = Method.EE, **structure: object) -> EstimationRun:
+def _build_run(maneuver: int, method: Method = Method.EE, **structure: Any) -> EstimationRun:
+    structure.setdefault("fixed", {})
     return EstimationRun(
         maneuver_id=maneuver,
         method=method,
-        structure=Structure(**{"fixed": {}, **structure}),
+        structure=Structure(**structure),
         settings=RunSettings(),
     )
 

@@ -28,12 +28,13 @@ def ask(flown_url: str) -> Iterator[Ask]:
     def prepared(
         method: Method, modes: tuple[int, ...] = (7, 9), **structure: Any
     ) -> EstimationTask:
+        structure.setdefault("fixed", {})
         return prepare(
             store,
             EstimationRun(
                 maneuver_id=1,
                 method=method,
-                structure=Structure(modes=modes, **{"fixed": {}, **structure}),
+                structure=Structure(modes=modes, **structure),
                 settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
             ),
         )

@@ -62,7 +62,7 @@ def select_modes(store: Store, table: ModalTable, numbers: tuple[int, ...]) -> M
         values = store.arrays.get(arrays[name])
         arrays[name] = store.arrays.put(np.ascontiguousarray(values[:, inside]), "")
     of_modes = ("numbers", "names", "symmetric", "reasons")
-    retained = {
+    retained: dict[str, Any] = {
         n: tuple(getattr(table, n)[k] for k in inside) for n in of_modes if getattr(table, n)
     }
     return replace(table, arrays=arrays, **retained)

@@ -43,12 +43,13 @@ class DescribedRoute(APIRoute):
     """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
-        self._declared = {"path": path, "endpoint": endpoint, **options}
+        self._declared: dict[str, Any] = {"path": path, "endpoint": endpoint, **options}
         plain = {
             code: {key: value for key, value in response.items() if key != "model"}
             for code, response in (options.get("responses") or {}).items()
         }
-        super().__init__(path, endpoint, **{**options, "response_model": None, "responses": plain})
+        options |= {"response_model": None, "responses": plain}
+        super().__init__(path, endpoint, **options)
 
     @cached_property
     def described(self) -> APIRoute:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import orjson
 
@@ -225,7 +226,7 @@ def _revoke(store: Store, settings: Settings, given: _Arguments) -> tuple[list[s
 
 def _list(store: Store, settings: Settings, given: _Arguments) -> tuple[list[str], object]:
     names = {aircraft.id: aircraft.name for aircraft in store.aircraft.find()}
-    items = []
+    items: list[dict[str, Any]] = []
     for account in store.accounts.find():
         roles = {
             "all" if key is None else names[key]: role.value

@@ -212,7 +212,7 @@ def _draw_rows(response: Response, first: int, shared: Spec, scale: MagnitudeSca
             column(frequency.factor * response.frequency_hz, exact=True),
             values,
             row=row,
-            **{**shared, "showlegend": row == 1},
+            **(shared | {"showlegend": row == 1}),
             hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}<extra>{shared['name']}</extra>",
         )
         for row, (values, hover) in enumerate(drawn, start=first)
@@ -276,7 +276,7 @@ def draw_fit(value: FitPlot) -> Spec:
     if not value.traces:
         return empty("No fitted data")
     colour, symbol = style.of_method(value.method.value)
-    points = {
+    points: Spec = {
         "mode": "markers",
         "marker": {"color": style.MEASURED, "symbol": symbol, "size": 5},
     }

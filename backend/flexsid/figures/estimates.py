@@ -374,7 +374,7 @@ def draw_cross_predictions(value: CrossPredictionMatrix) -> Spec:
             "line": {"width": 2, "color": style.FLAG},
         },
     )
-    layout = {
+    layout: Spec = {
         "xaxis": {
             **title("Maneuver"),
             "tickmode": "array",

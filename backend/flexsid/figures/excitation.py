@@ -110,7 +110,7 @@ def draw_design_signal(value: ExpectedResponse) -> Spec:
         colorbar=title("SNR [dB]"),
         hovertemplate=f"%{{y}}<br>%{{x:.3f}} {hertz.unit}<br>%{{z:.1f}} dB<extra></extra>",
     )
-    layout = {
+    layout: Spec = {
         "xaxis": _title_frequency(),
         **_mark_modes(value),
         "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},

@@ -295,7 +295,7 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
                 hoverinfo="skip",
             )
         )
-    layout = {
+    layout: Spec = {
         "meta": {"rows": 3},
         "xaxis": title(frequency.axis_title),
         "yaxis": title("Model order"),

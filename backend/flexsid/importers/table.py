@@ -197,7 +197,12 @@ def _translate(found: ErrorDetails) -> BadInput:
 
 
 def _get_form(value: object) -> str:
-    forms = {str: "<a text>", int: "<a whole number>", list: "<a list>", _LocatedTable: "<a table>"}
+    forms: dict[type, str] = {
+        str: "<a text>",
+        int: "<a whole number>",
+        list: "<a list>",
+        _LocatedTable: "<a table>",
+    }
     return forms.get(type(value), "<another value>")
 
 

@@ -231,7 +231,7 @@ class ClusterWorkers(Workers[Any]):
                 " name the file of the cluster (`flexsid cluster-certificate`)",
                 code="no-scheduler",
             ) from error
-        except (OSError, RuntimeError, TimeoutError, ValueError) as error:
+        except (OSError, RuntimeError, ValueError) as error:
             self._client = None
             raise FlexsidError(
                 f"no Dask scheduler responds at {self._address} ({error}); start one with"
@@ -252,7 +252,7 @@ class ClusterWorkers(Workers[Any]):
                 self._disconnect(0.0)
                 client = self._connect()
             self.count = sum(client.nthreads().values())
-        except (FlexsidError, OSError, TimeoutError) as error:
+        except (FlexsidError, OSError) as error:
             _log.warning("the Dask cluster is unreachable: %s", error)
             self.count = 0
         if self.count > 0:
@@ -319,7 +319,7 @@ def _fetch_result(future: Any) -> list[WorkerMessage]:
         return future.result(timeout=_FETCH_S)
     except KilledWorker as error:
         return [WorkerDiedMessage(f"on {error.last_worker.address}")]
-    except (FutureCancelledError, OSError, TimeoutError) as error:
+    except (FutureCancelledError, OSError) as error:
         return [TaskLostMessage(f"the Dask cluster dropped the task ({type(error).__name__})")]
     except Exception as error:
         return [describe_error(error)]

@@ -70,7 +70,8 @@ class Method(StrEnum):
     @classmethod
     def _make_member(cls, value: str) -> Method:
         member = str.__new__(cls, value)
-        member._name_, member._value_ = value, value
+        member._name_ = value
+        member._value_ = value  # pyrefly: ignore[bad-assignment]
         return member
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -152,7 +153,7 @@ def _describe_estimate(found: LiveEstimate | None) -> tuple[str, ...]:
     if found is None:
         return ("–",) * len(_head_estimates())
     speeds = (
-        converted(found.condition and found.condition.airspeed_m_s, "m/s", 3),
+        converted(found.condition.airspeed_m_s if found.condition else None, "m/s", 3),
         _format_interval(found.flutter_m_s, found.flutter_std_m_s, display_unit("m/s")[1]),
     )
     mode = min(found.modes, key=lambda mode: mode.damping, default=None)
@@ -318,7 +319,10 @@ def _draw_commands(store: Store, design_id: int, level: int, n_inputs: int) -> P
     found = draw(caption, store, "design-history", design_id=design_id, level=level)
     if not isinstance(found, Drawing):
         return found
-    layout = {**found.spec["layout"], "height": min(_HEIGHT_PX, (n_inputs + 1) * _ROW_PX)}
+    layout: dict[str, Any] = {
+        **found.spec["layout"],
+        "height": min(_HEIGHT_PX, (n_inputs + 1) * _ROW_PX),
+    }
     for name in [key for key in layout if key.startswith("yaxis")]:
         title = layout[name].get("title", {})
         # Rows are lower than a name with its unit is long.

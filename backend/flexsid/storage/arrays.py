@@ -57,6 +57,7 @@ def _pairs(connection: Connection) -> Iterator[tuple[str, str]]:
         identity = column.table.c.id
         texts = sa.select(identity, sa.cast(column, sa.Text)).where(column.is_not(None))
         for number, text in connection.execute(texts):
+            # pyrefly: ignore[no-matching-overload]
             for name in _NAME.findall(_GEOMETRY.sub("", text)):
                 yield f"{noun} {number}", name
     shapes = tables.modal_shapes.c
@@ -283,10 +284,11 @@ class ModalShapes:
         with self._database.transaction() as connection:
             # Rows, since access and audit log cannot see those of INSERT ... SELECT.
             rows = [
-                {"modal_table_id": new_id, **shape}
+                {**shape, "modal_table_id": new_id}
                 for shape in connection.execute(query).mappings()
             ]
             if rows:
+                # pyrefly: ignore[no-matching-overload]
                 connection.execute(sa.insert(modal_shapes), rows)
 
     def has(self, modal_table_id: int) -> bool:

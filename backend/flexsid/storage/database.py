@@ -23,7 +23,6 @@ from sqlalchemy.exc import (
     ArgumentError,
     DatabaseError,
     DontWrapMixin,
-    NoSuchModuleError,
     OperationalError,
 )
 from sqlalchemy.pool import ConnectionPoolEntry, StaticPool
@@ -74,7 +73,7 @@ def parse_url(url: str) -> URL:
         if parsed.drivername == "postgresql":
             parsed = parsed.set(drivername="postgresql+psycopg")
         parsed.get_dialect()
-    except (ArgumentError, NoSuchModuleError) as error:
+    except ArgumentError as error:
         raise BadInput(
             f"{url!r} is not a database address; expected one like sqlite:///var/flexsid.db"
         ) from error

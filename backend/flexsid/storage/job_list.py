@@ -245,7 +245,7 @@ def _read(store: Store, query: sa.Executable) -> list[JobItem]:
 
 
 def _build_item(row: RowMapping, position: int | None) -> JobItem:
-    values = dict(row)
+    values: dict[Any, Any] = dict(row)
     label, upload_id = values.pop("label"), values.pop("upload_id")
     progress, error = values["progress"], values["error"]
     values |= {

@@ -51,4 +51,5 @@ def _read(store: Store, which: sa.ColumnElement[bool], limit: int | None = None)
 
 
 def _event(row: RowMapping) -> JobEvent:
+    # pyrefly: ignore[bad-unpacking, missing-argument]
     return JobEvent(**row)

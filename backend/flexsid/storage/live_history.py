@@ -41,5 +41,6 @@ def list_alarms(store: Store, stream_id: int) -> tuple[LiveAlarm, ...]:
     query = sa.select(alarms).where(which).order_by(live_states.c.time_s)
     with store.database.reading() as connection:
         states = connection.scalars(query).all()
+    # pyrefly: ignore[bad-argument-type]
     found = (LiveAlarm(**{**a, "kind": AlarmKind(a["kind"])}) for state in states for a in state)
     return tuple(sorted(dict.fromkeys(found), key=lambda alarm: alarm.time_s))

@@ -99,6 +99,7 @@ def _read(
     rows = sorted(rows, key=itemgetter(fields.index("id")))
     found: dict[str, tuple[_Kind, np.ndarray]] = {}
     for row in rows:
+        # pyrefly: ignore[bad-argument-type]
         channel, (checksum, unit, dtype, data) = _record(kind, fields, row), row[-4:]
         shape = _find_shape(channel)
         if not is_intact(channel.array, checksum, dtype, shape, unit, data):

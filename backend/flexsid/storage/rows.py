@@ -218,6 +218,7 @@ def copy_rows(source: Connection, target: Connection, *, has_samples: bool = Tru
             options = {"yield_per": count}  # of the statement: the connection may be written, too
             found = source.execute(sa.select(*columns), execution_options=options)
             for rows in found.mappings().partitions():
+                # pyrefly: ignore[no-matching-overload]
                 target.execute(table.insert(), [dict(row) for row in rows])
     present = _read_given_ids(target)
     for name, given in _read_given_ids(source).items():

@@ -77,6 +77,7 @@ def add_samples(source: Connection, folder: Path) -> int:
             some = arrays.c.hash.in_(new[first : first + _AT_ONCE])
             columns = (arrays.c[name] for name in ("hash", "dtype", "shape", "unit", "data"))
             rows = [tuple(row) for row in source.execute(sa.select(*columns).where(some))]
+            # pyrefly: ignore[bad-unpacking]
             for name, dtype, shape, unit, data in rows:
                 if hash_array(dtype, shape, unit, data) != name:
                     raise DatabaseUnavailable(

@@ -221,10 +221,13 @@ class MavlinkDecoder:
         for message in self._parser.parse_buffer(data) or ():
             kind = message.get_type()
             if kind == "BAD_DATA":
+                # pyrefly: ignore[missing-attribute]
                 self.monitor.reject(f"no MAVLink message: {message.reason}")
             elif message.get_srcSystem() == self._system_id:
                 self._count(message)
+                # pyrefly: ignore[missing-attribute]
                 if kind == "SYSTEM_TIME" and message.time_unix_usec >= _UNIX_US:
+                    # pyrefly: ignore[missing-attribute]
                     self._unix_us = message.time_unix_usec - 1000 * message.time_boot_ms
                 if kind in self._messages:
                     yield from self._take(kind, message)

@@ -170,7 +170,7 @@ def measure_requirements(report: Callable[[str], None] = lambda text: None) -> l
         report(requirement.statement)
         try:
             found.append(Measured(requirement, requirement.measure()))
-        except (FlexsidError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        except (FlexsidError, ArithmeticError, ValueError) as error:
             found.append(Measured(requirement, None, str(error)))
     return found
 

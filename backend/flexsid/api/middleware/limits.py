@@ -118,7 +118,8 @@ class ClientConnection(HttpToolsProtocol):
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self._most_connections, self.limit_concurrency = self.limit_concurrency, None
+        self._most_connections = self.limit_concurrency
+        self.limit_concurrency = None  # pyrefly: ignore[bad-override-mutable-attribute]
         self._timer: asyncio.TimerHandle | None = None
         self._has_begun = False  # the first request
         self._has_headers = False  # the request that arrives

@@ -112,7 +112,7 @@ def _add_report(path: str, name: str, make: Callable[..., Report], content: str)
     given = signature(make, eval_str=True)
     of_units = Parameter("units", Parameter.KEYWORD_ONLY, annotation=TheUnits)
     parameters = (*given.parameters.values(), of_units)
-    make_once.__signature__ = given.replace(parameters=parameters)  # pyright: ignore[reportFunctionMemberAccess]
+    vars(make_once)["__signature__"] = given.replace(parameters=parameters)
 
     def read(context: TheContext, report: Any, form: Form = "html") -> Response:
         document = reports.to_document(report, context.report_template)

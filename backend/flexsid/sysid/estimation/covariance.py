@@ -249,7 +249,7 @@ class FinalSpectra:
     form: NormalForm
     sensitivity: Sensitivity
     residuals: np.ndarray
-    weights: noise.SpectralMatrix
+    weights: SpectralMatrix
     neighbours: int = 2
     noise: np.ndarray | None = None
     source: np.ndarray | None = None

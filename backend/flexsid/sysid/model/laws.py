@@ -111,7 +111,7 @@ def build_instrument_chain(instruments: Sequence[Instrument], names: tuple[str, 
 def build_delays(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace:
     """Build delays in parallel as all-pass systems (Pade approximation of third order)."""
     powers = range(_PADE, -1, -1)
-    elements = {}
+    elements: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}
     for k, tau in enumerate(seconds):
         if tau > 0.0:
             weights = [

@@ -239,7 +239,7 @@ def _estimate_conditional(
     scatter = compute_score_scatter(slope, residual[:, sensors.channels])
     estimate, std = np.zeros(value.size), np.full(value.size, np.inf)
     for k in np.flatnonzero(_find_resolved(normal, slope)):
-        own = [*(s for s in support if s != k), k]
+        own = [*(s for s in support if s != k), int(k)]
         block = normal[np.ix_(own, own)]
         size = np.sqrt(np.maximum(np.diag(block), 0.0))
         if np.linalg.cond(block / np.outer(size, size)) > 1.0 / _LEAST_OWN**2:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -213,7 +214,8 @@ def compute_shape_sizes(
         for name, size in (("translation", translation), ("rotation", rotation)):
             shape = np.zeros_like(modes.translation)
             shape[:, component] = size[component]
-            parts.append(replace(empty, **{name: shape}))
+            moved: dict[str, Any] = {name: shape}
+            parts.append(replace(empty, **moved))
     flight = build_flight_condition(aircraft, condition)
     sizes = np.zeros((len(parts), 4, len(outputs), len(modes.numbers)))
     for own, one in zip(sizes, parts, strict=True):
@@ -393,4 +395,5 @@ def insert_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
         tuple(replace(one, instrument=select_instrument(one.name, one.instrument)) for one in some)
         for some in (aircraft.sensors, aircraft.surfaces)
     )
+    # pyrefly: ignore[bad-argument-type]
     return replace(aircraft, sensors=sensors, surfaces=surfaces, instruments=instruments)

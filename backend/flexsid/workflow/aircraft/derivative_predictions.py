@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import fields, replace
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -270,16 +270,15 @@ def merge_masses(known: MassTable, new: MassTable) -> MassTable:
     rows = {fuel: (known, row) for row, fuel in enumerate(known.fuel)}
     rows |= {fuel: (new, row) for row, fuel in enumerate(new.fuel)}
     fuels = sorted(rows)
-    merged: dict[str, tuple[float, ...] | None] = {"fuel": tuple(fuels)}
+    merged: dict[str, Any] = {"fuel": tuple(fuels)}
     for one in fields(MassTable):
         if one.name in ("fuel", "mass_std", "inertia_std"):
             continue
         columns = [(getattr(table, one.name), row) for table, row in (rows[f] for f in fuels)]
         is_known = all(column is not None for column, _ in columns)
         merged[one.name] = tuple(column[row] for column, row in columns) if is_known else None
-    merged_table = MassTable(**merged)  # pyright: ignore[reportArgumentType]
     return replace(
-        merged_table,
+        MassTable(**merged),
         mass_std=max(known.mass_std, new.mass_std),
         inertia_std=max(known.inertia_std, new.inertia_std),
     )

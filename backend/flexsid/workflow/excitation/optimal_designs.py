@@ -216,6 +216,7 @@ def compute_optimal_design(
     first = at.predict_multisine(build_multisine(made, 2))
     scale = limits.find_scale(find_peaks(first, multisine.period_s))
     peaks = tuple(level * scale * made.specification.peaks[2] for level in _LEVELS)
+    # pyrefly: ignore[bad-argument-type]
     made = replace(made, specification=replace(made.specification, peaks=peaks))
     check_amplitudes(made.specification)
     best = at.predict_multisine(build_multisine(made, 2))

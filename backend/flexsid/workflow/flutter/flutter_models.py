@@ -231,7 +231,8 @@ def build_approved_query(store: Store, aircraft_id: int, axis: str, **more: Any)
             code="no-run",
         )
     runs = tuple(run.run_id for run in version.runs if not run.is_outlying)
-    return FlutterQuery(**{"variation": Variation.GLOBAL_MODEL, **more, "run_ids": runs})
+    asked: dict[str, Any] = {"variation": Variation.GLOBAL_MODEL, **more, "run_ids": runs}
+    return FlutterQuery(**asked)
 
 
 def identify_query(store: Store, query: FlutterQuery) -> tuple[object, ...]:

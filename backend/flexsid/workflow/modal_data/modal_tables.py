@@ -63,9 +63,7 @@ TO_STRUCTURE = np.tile(TO_BODY, 2)
 
 def apply_corrections(store: Store, table: ModalTable) -> ModalTable:
     """Return a table with corrected mode names and symmetries."""
-    names, symmetric, reasons = (
-        list(part) for part in (table.names, table.symmetric, table.reasons)
-    )
+    names, symmetric, reasons = list(table.names), list(table.symmetric), list(table.reasons)
     reasons += [""] * (len(names) - len(reasons))
     for correction in store.mode_corrections.find(modal_table_id=table.id):
         if correction.number in table.numbers:

@@ -367,7 +367,7 @@ def _list_proposal(
         yield f"Proposes {format_reference(proposal.structure)}"
         yield f"For {describe_limits(proposal.limits)}"
     before = proposal.changes or (None if previous is None else previous.structure)
-    if before is not None and proposal.structure not in (None, before):
+    if before is not None and proposal.structure is not None and proposal.structure != before:
         one, other = found.get(before), found.get(proposal.structure)
         changes = ""
         if one is not None and other is not None:

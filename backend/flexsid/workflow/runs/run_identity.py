@@ -7,6 +7,7 @@ predictions), what was asked for, and the version of the numerical methods.
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -57,7 +58,7 @@ class RunHasher:
                 raise UnknownRecord(f"there is no maneuver {number}")
         run = self._with_tables(run)
         data = hash_content([[self._maneuvers[n][1] for n in involved], self._assumptions(run)])
-        settings = asdict(run.settings)
+        settings: dict[str, Any] = asdict(run.settings)
         if run.settings.out_of_band_modes is OutOfBandModes.OMITTED:
             del settings["out_of_band_modes"]  # as hashed before the setting existed
         if run.settings.aerodynamics is Aerodynamics.QUASI_STEADY:
