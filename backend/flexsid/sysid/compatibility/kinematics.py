@@ -137,8 +137,23 @@ class FlightRecord:
         return self.step_s * np.fft.rfft(values, axis=0)[1 : self.omega.size + 1]
 
     @cached_property
-    def polynomials(self) -> dict[Any, Float[np.ndarray, "n_y 4 n_r"]]:
-        """Rows of the model by places and airspeed: a search uses few, hundreds of times."""
+    def rows(self) -> dict[Any, Float[np.ndarray, "4 n_r"]]:
+        """Rows of the model by sensor, place and airspeed: a search changes one of hundreds."""
+        return {}
+
+    def transform_samples(
+        self, sensor: CompatibilitySensor, delay_s: float
+    ) -> Complex[np.ndarray, "n_omega 2"]:
+        """Transform the samples of a sensor under the window and under its derivative."""
+        found = self._transformed.get(sensor.name) if delay_s == 0.0 else None
+        if found is None:
+            found = self.transform(self._window.T * self.sample(sensor, delay_s)[:, None])
+            if delay_s == 0.0:
+                self._transformed[sensor.name] = found
+        return found
+
+    @cached_property
+    def _transformed(self) -> dict[str, Complex[np.ndarray, "n_omega 2"]]:
         return {}
 
     @cached_property
@@ -229,27 +244,28 @@ def form_equations(
     }
     places = {one.name: _locate(one, errors) for one in record.sensors}
     signals = _read_signals(record, measured, places, errors.airspeed)
-    w, w_rate = record.window, record.window_rate
-    known = [_form_known(one, places[one.name], signals) for one in record.sensors]
-    own = [measured[one.name] for one in record.sensors]
+    w, w_rate = record.window[:, None], record.window_rate[:, None]
+    velocities = _form_velocities(signals)
+    known = [_form_known(one, places[one.name], signals, velocities) for one in record.sensors]
+    is_derived = np.array([derived is not None for derived, _ in known])
+    derived = [x for x, _ in known if x is not None]
+    moved = np.stack(derived, axis=1) if derived else np.empty((record.time.size, 0))
     motion = [signals[name] for name in ("alpha", "q", "V", "beta", "p", "r")]
     motion = [x - x.mean() for x in motion]
-    moved = np.stack([x for x, _ in known], axis=1)
-    columns = np.concatenate(
-        [
-            w[:, None] * np.stack(own, axis=1),
-            w_rate[:, None] * np.stack(own, axis=1),
-            w[:, None] * moved,
-            w_rate[:, None] * moved,
-            w[:, None] * np.stack([c for _, c in known], axis=1),
-            w[:, None] * np.stack(motion, axis=1),
-        ],
-        axis=1,
-    )
-    n_y = len(record.sensors)
-    spectra = record.transform(columns)[some]
-    z, z_end, x, x_end, c = (spectra[:, k * n_y : (k + 1) * n_y] for k in range(5))
-    own_motion = spectra[:, 5 * n_y :]
+    direct = np.stack([*(c for _, c in known), *motion], axis=1)
+    spectra = record.transform(np.concatenate([w * moved, w_rate * moved, w * direct], axis=1))
+    spectra = spectra[some]
+    n_y, n_moved = len(record.sensors), len(derived)
+    x, x_end = np.zeros((2, some.size, n_y), dtype=complex)
+    x[:, is_derived], x_end[:, is_derived] = spectra[:, :n_moved], spectra[:, n_moved : 2 * n_moved]
+    c, own_motion = spectra[:, 2 * n_moved :][:, :n_y], spectra[:, 2 * n_moved + n_y :]
+    own = [
+        record.transform_samples(one, errors.delays.get(one.name, 0.0))[some]
+        for one in record.sensors
+    ]
+    # Noise is that of the recorded samples, whatever their scale.
+    scale = np.array([scales.get(one.name, 1.0) for one in record.sensors])
+    z, z_end = np.moveaxis(np.stack(own, axis=1), 2, 0) / scale
     omega = record.omega[some]
     s = 1j * omega[:, None]
     rows = _form_rows(record, places, errors.airspeed, omega)
@@ -260,8 +276,6 @@ def form_equations(
     exact = np.where(is_attitude, (z_end + c) / s, exact)
     z = np.where(is_altitude, s * z - z_end, z)
     remainder = exact - np.matmul(rows, own_motion[:, :, None])[:, :, 0]
-    # Noise is that of the recorded samples, whatever their scale.
-    scale = np.array([scales.get(one.name, 1.0) for one in record.sensors])
     rows = rows[:, :, _find_determined(record)] * scale[:, None]
     return KinematicEquations((z - remainder) * scale, rows)
 
@@ -314,19 +328,24 @@ def _read_signals(
     return found
 
 
+def _form_velocities(s: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Form the velocity of the c.g. in body axes. [m/s]"""
+    speed, alpha, beta = s["V"], s["alpha"], s["beta"]
+    forward = speed * np.cos(beta)
+    return forward * np.cos(alpha), speed * np.sin(beta), forward * np.sin(alpha)
+
+
 def _form_known(
-    sensor: CompatibilitySensor, place: tuple[float, float, float], s: Mapping[str, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+    sensor: CompatibilitySensor,
+    place: tuple[float, float, float],
+    s: Mapping[str, np.ndarray],
+    velocities: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> tuple[np.ndarray | None, np.ndarray]:
     """Form the signal that a sensor measures the derivative of, and what it measures itself."""
     x, y, z = place
+    u, v, w = velocities
     p, q, r, speed = s["p"], s["q"], s["r"], s["V"]
     alpha, beta, phi, theta = s["alpha"], s["beta"], s["phi"], s["theta"]
-    nothing = np.zeros_like(speed)
-    u, v, w = (
-        speed * np.cos(alpha) * np.cos(beta),
-        speed * np.sin(beta),
-        speed * np.sin(alpha) * np.cos(beta),
-    )
     which = sensor.kind, sensor.axis
     if which == (ACCELEROMETER.kind, "x"):
         turn = -(q * q + r * r) * x + p * q * y + p * r * z
@@ -340,23 +359,23 @@ def _form_known(
         gravity = -GRAVITY * np.cos(theta) * np.cos(phi)
         return w + p * y - q * x, p * v - q * u + gravity + turn
     if which == (GYRO.kind, "x"):
-        return nothing, p
+        return None, p
     if which == (GYRO.kind, "y"):
-        return nothing, q
+        return None, q
     if which == (GYRO.kind, "z"):
-        return nothing, r
+        return None, r
     if which == (ATTITUDE.kind, "x"):
-        return nothing, p + np.tan(theta) * (q * np.sin(phi) + r * np.cos(phi))
+        return None, p + np.tan(theta) * (q * np.sin(phi) + r * np.cos(phi))
     if which == (ATTITUDE.kind, "y"):
-        return nothing, q * np.cos(phi) - r * np.sin(phi)
+        return None, q * np.cos(phi) - r * np.sin(phi)
     if which == (VANE.kind, "y"):
-        return nothing, alpha - (x * q - y * p) / speed
+        return None, alpha - (x * q - y * p) / speed
     if which == (VANE.kind, "z"):
-        return nothing, beta + (x * r - z * p) / speed
+        return None, beta + (x * r - z * p) / speed
     if sensor.kind == AIRSPEED_PROBE.kind:
-        return nothing, speed
+        return None, speed
     climb = u * np.sin(theta) - np.cos(theta) * (v * np.sin(phi) + w * np.cos(phi))
-    return nothing, climb
+    return None, climb
 
 
 def _form_rows(
@@ -366,36 +385,41 @@ def _form_rows(
     omega: np.ndarray,
 ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
     """Rows of all sensors: alpha, q, V, beta, p, r."""
-    key = tuple(places.values()), airspeed_scale
-    polynomials = record.polynomials.get(key)
-    if polynomials is None:
-        polynomials = record.polynomials[key] = _form_polynomials(record, *key)
+    polynomials = np.stack(
+        [_form_row(record, one, places[one.name], airspeed_scale) for one in record.sensors]
+    )
     powers = np.stack([-1j / omega, np.ones_like(omega), 1j * omega, -(omega**2)], axis=1)
     return np.einsum("kp,ypr->kyr", powers, polynomials)
 
 
-def _form_polynomials(
-    record: FlightRecord, places: tuple[tuple[float, float, float], ...], airspeed_scale: float
-) -> np.ndarray:
+def _form_row(
+    record: FlightRecord,
+    sensor: CompatibilitySensor,
+    place: tuple[float, float, float],
+    airspeed_scale: float,
+) -> Float[np.ndarray, "4 n_r"]:
+    """Form the row of one sensor, or read the one formed before."""
+    key = sensor.name, place, airspeed_scale
+    found = record.rows.get(key)
+    if found is not None:
+        return found
     condition = record.condition
     condition = replace(condition, airspeed=condition.airspeed / airspeed_scale)
-    polynomials = []
-    for sensor, place in zip(record.sensors, places, strict=True):
-        parts = []
-        for body in _BODIES:
-            row = np.zeros((4, body.size))
-            if sensor.kind == ALTITUDE:
-                if body is AIRSPEED:  # climb rate
-                    row[INTEGRAL, 1], row[POSITION, 0] = condition.airspeed, -condition.airspeed
-                    row[POSITION, 2] = np.sin(condition.gamma)
-            else:
-                model = find_sensor_model(sensor.kind)
-                if model.measures(sensor.axis, body):
-                    at = Mounting(place, _NO_MODES, _NO_MODES, _NO_MODES[0])
-                    row = model.build_row(sensor.axis, body, at, condition)
-            parts.append(row)
-        polynomials.append(np.concatenate(parts, axis=1))
-    return np.stack(polynomials)
+    parts = []
+    for body in _BODIES:
+        row = np.zeros((4, body.size))
+        if sensor.kind == ALTITUDE:
+            if body is AIRSPEED:  # climb rate
+                row[INTEGRAL, 1], row[POSITION, 0] = condition.airspeed, -condition.airspeed
+                row[POSITION, 2] = np.sin(condition.gamma)
+        else:
+            model = find_sensor_model(sensor.kind)
+            if model.measures(sensor.axis, body):
+                at = Mounting(place, _NO_MODES, _NO_MODES, _NO_MODES[0])
+                row = model.build_row(sensor.axis, body, at, condition)
+        parts.append(row)
+    record.rows[key] = np.concatenate(parts, axis=1)
+    return record.rows[key]
 
 
 def _find_determined(record: FlightRecord) -> np.ndarray:
