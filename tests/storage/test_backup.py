@@ -33,6 +33,21 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.maintenance.database import check_database
 
+_LONG = pytest.mark.long
+_INTO_THE_OTHER = pytest.mark.parametrize(
+    ("backend", "target"),
+    [
+        ("sqlite", "postgresql"),
+        ("postgresql", "sqlite"),
+        pytest.param("sqlite", "sqlite", marks=_LONG),
+        pytest.param("postgresql", "postgresql", marks=_LONG),
+    ],
+)
+_SAMPLES_IN_A_FILE = pytest.mark.parametrize(
+    "backend", ["sqlite", pytest.param("postgresql", marks=_LONG)]
+)
+"""Samples of incremental backups are in a file of SQLite, whatever the database."""
+
 
 def test_backup_during_writes_is_consistent(
     database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
@@ -148,7 +163,7 @@ def test_invalid_backup_changes_nothing(
     assert list(tmp_path.glob("*.before-restore-*")) == []
 
 
-@pytest.mark.parametrize("target", ["sqlite", "postgresql"])
+@_INTO_THE_OTHER
 def test_every_row_is_restored_into_either_kind_of_database(
     flown_url: str, tmp_path: Path, postgresql: Cluster, target: str
 ) -> None:
@@ -169,7 +184,7 @@ def test_every_row_is_restored_into_either_kind_of_database(
         postgresql.drop(name)
 
 
-@pytest.mark.parametrize("target", ["sqlite", "postgresql"])
+@_INTO_THE_OTHER
 def test_an_incremental_backup_writes_new_samples_only_and_is_restored_completely(
     flown_url: str, tmp_path: Path, postgresql: Cluster, target: str
 ) -> None:
@@ -193,6 +208,7 @@ def test_an_incremental_backup_writes_new_samples_only_and_is_restored_completel
         postgresql.drop(name)
 
 
+@_SAMPLES_IN_A_FILE
 def test_damaged_samples_of_incremental_backups_are_written_again(
     flown_url: str, tmp_path: Path
 ) -> None:
@@ -240,6 +256,7 @@ def test_incremental_backups_read_a_part_of_the_samples_each_time(
     assert sorted(name for one in read[1:] for name in one) == sorted(names)
 
 
+@_SAMPLES_IN_A_FILE
 def test_samples_of_deleted_backups_are_deleted(
     database_url: str, store: Store, tmp_path: Path
 ) -> None:
@@ -258,6 +275,7 @@ def test_samples_of_deleted_backups_are_deleted(
     assert present == {names[0], *names[2:]}
 
 
+@_SAMPLES_IN_A_FILE
 def test_an_incremental_backup_without_its_samples_is_refused(
     flown_url: str, tmp_path: Path
 ) -> None:
