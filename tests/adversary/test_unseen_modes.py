@@ -75,3 +75,22 @@ def test_an_unseen_mode_in_the_band_is_retained_with_the_reason(flown: Flown) ->
     assert UNSEEN in reason
     assert run["fit"]["outcome"] == "converged", run["fit"]["message"]
     assert run["adequacy"]["state"] != "not tested"
+
+
+@pytest.mark.long
+def test_a_run_with_fewer_modes_does_not_widen_the_interval_of_flutter(flown: Flown) -> None:
+    """What one run estimates another retains: they have the same modes, and are fused."""
+    modes = [flown.number("SW1B"), flown.number("SW1T")]
+    runs = [
+        flown.estimate("OE", structure={"modes": own, "fixed": {}}) for own in (modes, modes[:1])
+    ]
+    assert modes[1] in runs[1]["retained"]["modes"]
+    widths = []
+    for ids in ([runs[0]["id"]], [run["id"] for run in runs]):
+        query = f"run_ids={','.join(map(str, ids))}"
+        job = flown.client.send("post", f"flutter/results?{query}")
+        wait_for_end(flown.client, f"jobs/{job['id']}")
+        found = flown.client.get(f"flutter?{query}")
+        widths.append(found["high_m_s"] - found["low_m_s"])
+    assert widths[1] < 1.2 * widths[0]
+    assert len(found["structures"]) == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -222,7 +223,17 @@ def test_no_flutter_is_a_sentence_and_not_a_number():
     calm = predict_flutter(found, (25.0, 45.0))
     assert calm.crossing is None
     assert calm.interval is None
-    assert "Stable up to 45.0 m/s; the least damping is" in calm.sentence
+    sure = "Stable up to 45.0 m/s within two standard errors; the least damping is"
+    assert sure in calm.sentence
+    unsure = predict_flutter(replace(found, uncertain=everything(flex28(4), 0.3)), (25.0, 56.0))
+    assert unsure.crossing is None
+    up_to = re.match(r"Stable within two standard errors up to ([0-9.]+) m/s only", unsure.sentence)
+    assert up_to is not None, unsure.sentence
+    assert 40.0 <= float(up_to[1]) < 56.0  # 40 m/s were flown
+    exact = everything(flex28(4), 0.3)
+    none = UncertainDerivatives(exact.rows[:0], exact.columns[:0], np.zeros((0, 0)))
+    alone = predict_flutter(replace(found, uncertain=none), (25.0, 45.0))
+    assert "stable up to 45.0 m/s, with unknown error" in alone.sentence
     late = predict_flutter(found, (62.0, 80.0))
     assert "Already unstable at 62.0 m/s" in late.sentence
     with pytest.raises(BadInput, match="not a band"):
@@ -551,6 +562,31 @@ def test_a_prior_that_runs_share_counts_once():
     ratio = np.diag(fused.uncertain.covariance) / np.diag(np.linalg.inv(information))
     assert 1.0 - 1e-9 < ratio[2] < 1.8, "the prior counts once, widened by Birge's ratio"
     np.testing.assert_allclose(ratio, ratio[2], rtol=1e-9)
+
+
+def test_a_mode_that_one_run_retained_and_another_estimated_is_fused():
+    """The data of both count, and the prior of the first once; the mode is a result."""
+    aircraft = flex28(2)
+    place = np.array([0, 1]), np.array([0, 0])
+    prior = DerivativePrior(np.array([0.0, 0.5]), np.array([0.0, 4.0]), np.array([False, True]))
+    information = [np.array([[3.0, 1.0], [1.0, 2.0]]), np.array([[5.0, -1.0], [-1.0, 4.0]])]
+    means, priors = [np.array([1.0, 0.4]), np.array([1.1, 0.3])], [prior, None]
+    parts, total, moment = [], np.diag([0.0, 4.0]), np.array([0.0, 2.0])
+    for data, mean, own in zip(information, means, priors, strict=True):
+        total, moment = total + data, moment + data @ mean
+        weight = np.diag(np.zeros(2) if own is None else own.precision)
+        covariance = np.linalg.inv(data + weight)
+        values = aircraft.derivatives.values.copy()
+        values[place] = covariance @ (data @ mean + weight @ prior.mean)
+        table = replace(aircraft.derivatives, values=values)
+        uncertain = UncertainDerivatives(*place, covariance)
+        parts.append(IdentifiedModes(replace(aircraft, derivatives=table), uncertain, None, own))
+    fused = fuse_identified(parts, aircraft)
+    np.testing.assert_allclose(
+        fused.aircraft.derivatives.values[place], np.linalg.solve(total, moment)
+    )
+    np.testing.assert_allclose(fused.uncertain.covariance, np.linalg.inv(total))
+    assert fused.places == {(0, 0), (1, 0)}
 
 
 def test_runs_of_different_structures_are_not_fused():

@@ -105,7 +105,8 @@ class ModelTest:
     held quantity after one Gauss-Newton step (delays in s, scale factors relative, lag in
     s), of a residual power its ratio to the noise, ``frequency_hz`` where a residual response is
     largest. The statistic of a sensor's consistency is the largest change of a parameter without
-    it, in standard deviations; ``influence`` has all changes.
+    it, in standard deviations; ``influence`` has all changes. ``explained`` is the share of the
+    weighted power of all residuals that the held quantity would remove; zero of other tests.
     """
 
     hypothesis: Hypothesis
@@ -117,6 +118,7 @@ class ModelTest:
     estimate: float | None = None
     frequency_hz: float | None = None
     influence: SensorInfluence | None = None
+    explained: float = 0.0
 
     @property
     def rejects(self) -> bool:
@@ -227,7 +229,8 @@ def compute_model_tests(
     scores = _Scores(
         score=gradient[n_theta:] - lever.T @ g,
         total=np.diag(joint)[n_theta:],
-        left=np.diag(joint)[n_theta:] - np.sum(joint[:n_theta, n_theta:] * lever, axis=0),
+        left=joint[n_theta:, n_theta:] - joint[:n_theta, n_theta:].T @ lever,
+        power=sum(fit.compute_power() for fit in fits),
         covariance=0.5
         * (
             overlap * np.sum([fit.compute_noise(efficient, inverse) for fit in fits], axis=0)
@@ -298,23 +301,26 @@ def invert_information(N: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
 class _Scores:
     """Scores of the held quantities with their covariance.
 
-    ``total`` and ``left`` are their information before and after projection on the free ones.
+    ``total`` and ``left`` are their information before and after projection on the free ones,
+    ``power`` is the weighted power of the residuals.
     """
 
     score: Float[np.ndarray, " n_c"]
     total: Float[np.ndarray, " n_c"]
-    left: Float[np.ndarray, " n_c"]
+    left: Float[np.ndarray, "n_c n_c"]
     covariance: Float[np.ndarray, "n_c n_c"]
     residual_df: float
+    power: float
 
 
 def _test_scores(held: Sequence[_Held], scores: _Scores) -> Iterator[ModelTest]:
     """Compute the score test of every held quantity that is identifiable."""
     start = 0
+    left = np.diag(scores.left)
     for one in held:
         at = np.arange(start, start + len(one.terms))
         start += len(one.terms)
-        at = at[scores.left[at] > _LEAST_INFORMATION * scores.total[at]]
+        at = at[left[at] > _LEAST_INFORMATION * scores.total[at]]
         if not at.size:
             continue
         V, s = scores.covariance[np.ix_(at, at)], scores.score[at]
@@ -325,8 +331,17 @@ def _test_scores(held: Sequence[_Held], scores: _Scores) -> Iterator[ModelTest]:
         df = int(resolved.sum())
         if np.isfinite(statistic):
             p = float(special.fdtrc(df, max(scores.residual_df, 4.0), statistic / df))
-            step = float(s[0] / scores.left[at[0]]) if df == 1 else None
-            yield ModelTest(one.hypothesis, one.subject, statistic, df, p, estimate=step)
+            step = float(s[0] / left[at[0]]) if df == 1 else None
+            removed = float(s @ np.linalg.lstsq(scores.left[np.ix_(at, at)], s, rcond=None)[0])
+            yield ModelTest(
+                one.hypothesis,
+                one.subject,
+                statistic,
+                df,
+                p,
+                estimate=step,
+                explained=removed / scores.power,
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -474,6 +489,11 @@ class _Fit:
         """Compute Re sum X^H W X of the sensitivities X to free and held quantities."""
         matrix = self.form.matrix(self.sensitivity, self.final.weights)
         return self.columns.T @ matrix @ self.columns
+
+    def compute_power(self) -> float:
+        """Compute Re sum nu^H W nu."""
+        final = self.final
+        return float(np.sum(np.abs(final.residuals) ** 2 * final.weights.expand_blocks()))
 
     def compute_gradient(self) -> Float[np.ndarray, " n"]:
         """Compute Re sum X^H W nu."""

@@ -83,6 +83,22 @@ class IdentifiedModes:
         return frozenset(n for k, n in enumerate(self.aircraft.modes.numbers) if k in rows)
 
 
+def join_priors(priors: Sequence[DerivativePrior | None]) -> DerivativePrior | None:
+    """Join the priors of several runs: the mean of those that have one, for each derivative.
+
+    A derivative is a result where any run estimated it as one.
+    """
+    known = [prior for prior in priors if prior is not None]
+    if not known:
+        return None
+    precision = np.stack([prior.precision for prior in known])
+    has_prior = precision > 0.0
+    count = np.maximum(has_prior.sum(axis=0), 1)
+    mean = np.sum(np.stack([prior.mean for prior in known]), axis=0, where=has_prior) / count
+    nuisance = np.all([prior.nuisance for prior in known], axis=0) & (len(known) == len(priors))
+    return DerivativePrior(mean, precision.sum(axis=0) / count, nuisance)
+
+
 def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> IdentifiedModes:
     """Average the derivatives that all parts estimated, weighted by their information.
 
@@ -105,7 +121,8 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
     -----
     Where the runs scatter by more than their errors, the covariance is widened by the
     ratio (Birge), for a structure that is too small changes with the condition. A prior that
-    the runs share counts once.
+    the runs share counts once, also that of a mode which some runs retained and others estimated:
+    the data of all of them count.
 
     Runs of one modal table share the errors of its frequencies. Data of one dynamic pressure
     determine omega^2 - k_i C_Qi_etai only (``compute_modal_errors``): with omega_t of the table
@@ -122,7 +139,8 @@ def _fuse(
     """Fit the derivatives of all parts by the columns of ``lines``; the first one's count."""
     refuse_other_structures(parts, to)
     first = parts[0].uncertain
-    fused = IdentifiedModes(to, first, _average_stiffness(parts), parts[0].prior)
+    priors = [part.prior for part in parts]
+    fused = IdentifiedModes(to, first, _average_stiffness(parts), join_priors(priors))
     if first.rows.size == 0:  # nothing was estimated: there is nothing to weigh
         return fused
     place = first.rows, first.columns
@@ -134,7 +152,6 @@ def _fuse(
             " not identify it; exclude that run, or fix the derivative"
         )
     table = to.derivatives.values.copy()
-    priors = [part.prior for part in parts]
     shared = _find_shared_errors(parts)
     table[place], covariance, of_table = _fit_weighted(values, covariances, lines, priors, shared)
     aircraft = replace(to, derivatives=replace(to.derivatives, values=table))
@@ -325,15 +342,15 @@ def _fit_weighted(
     if not (scale > 0.0).all():
         raise NotIdentifiable("a derivative without standard error cannot be weighted")
     n, outer = scale.size, np.outer(scale, scale)
-    known = [prior for prior in priors or () if prior is not None]
-    common = np.mean([prior.precision for prior in known], axis=0) * scale**2 if known else 0.0
+    joint = join_priors(priors or ())
+    common = 0.0 if joint is None else joint.precision * scale**2
     n_shared = 0 if shared is None else shared.modes.size
     size = n_powers * n
     information = np.zeros((size + n_shared, size + n_shared))
     information[:size, :size] = np.kron(np.eye(n_powers), np.diag(np.broadcast_to(common, n)))
     moment = np.zeros(size + n_shared)
-    if known:
-        moment[:n] = common * np.mean([prior.mean for prior in known], axis=0) / scale
+    if joint is not None:
+        moment[:n] = common * joint.mean / scale
     if shared is not None:
         information[size:, size:] = np.diag(shared.std**-2.0)
     parts = [
@@ -518,14 +535,16 @@ def fit_envelope(
     rows = coefficients(table.modes, table.body)
     columns = variables(table.modes, table.inputs, table.body)
     places = list(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
-    own = np.flatnonzero([place in first.places for place in places])
+    joint = join_priors([part.prior for part in parts])
+    is_own = np.ones(len(places), dtype=bool) if joint is None else ~joint.nuisance
+    own = np.flatnonzero(is_own)
     if own.size == 0:
         raise BadInput("the runs estimated no derivative in common", code="no-common-derivative")
     estimates = [
         remove_prior(
             part.aircraft.derivatives.values[uncertain.rows, uncertain.columns],
             part.uncertain.covariance,
-            part.prior,
+            part.prior and replace(part.prior, nuisance=~is_own),
         )
         for part in parts
     ]

@@ -18,8 +18,10 @@ from flexsid.sysid.stability.flutter_extrapolation import (
     name_leading,
 )
 from flexsid.sysid.stability.root_errors import (
+    UncertainDerivatives,
     compute_frequency_slopes,
     estimate_crossing_error,
+    estimate_root_bands,
 )
 from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus, track_roots
 
@@ -122,7 +124,7 @@ def predict_flutter(
             least = locus.damping().min(axis=0)
             weakest = int(np.argmin(least))
             sentence = (
-                f"Stable up to {high:.1f} m/s; the least damping is "
+                f"{_describe_stability(found, locus, flown, density)}; the least damping is "
                 f"{100.0 * max(0.0, float(least[weakest])):.1f} % in "
                 f"{names[locus.names[weakest]]}.{remark}"
             )
@@ -140,6 +142,59 @@ def predict_flutter(
     if np.isfinite(reach) and reach > _UNRESOLVED_SHARE * crossing.airspeed:
         sentence += " With so large an error the flutter speed is not identifiable from these runs."
     return replace(prediction, sentence=f"{sentence}{remark}")
+
+
+def _describe_stability(
+    found: IdentifiedModes, locus: RootLocus, flown: Sequence[FlownPoint], density: float | None
+) -> str:
+    """State up to which airspeed a model without flutter is stable with its errors.
+
+    Notes
+    -----
+    Errors of modal frequencies are those of C_Q_eta at the highest airspeed, where those that
+    data compensate are largest.
+    """
+    high, uncertain = float(locus.airspeed[-1]), found.uncertain
+    if uncertain.rows.size == 0:
+        return f"The model is stable up to {high:.1f} m/s, with unknown error"
+    if found.stiffness is not None:
+        uncertain = _add_stiffness_errors(found, found.stiffness, high, density)
+    bands = estimate_root_bands(found.aircraft, locus, uncertain, density)
+    fast = list(locus.fast)
+    is_stable = (np.real(locus.roots) + _SIGMAS * bands.real_std < 0.0)[:, fast].all(axis=1)
+    condition = found.aircraft.condition
+    air = condition.density if density is None else density
+    own = condition.airspeed * np.sqrt(condition.density / air)
+    tested = max((one.airspeed for one in flown), default=float(own))
+    unsure = np.flatnonzero(~is_stable & (locus.airspeed > tested))
+    if not unsure.size:
+        return f"Stable up to {high:.1f} m/s within two standard errors"
+    limit = max(tested, float(locus.airspeed[max(unsure[0] - 1, 0)]))
+    return (
+        f"Stable within two standard errors up to {limit:.1f} m/s only, without a predicted "
+        f"instability up to {high:.1f} m/s"
+    )
+
+
+def _add_stiffness_errors(
+    found: IdentifiedModes, stiffness: StiffnessError, airspeed: float, density: float | None
+) -> UncertainDerivatives:
+    """Add the errors of modal frequencies at an airspeed to those of C_Q_eta."""
+    aircraft, uncertain = found.aircraft, found.uncertain
+    change = _compute_stiffness_change(found, stiffness, airspeed, density)
+    air = aircraft.condition.density if density is None else density
+    condition = replace(aircraft.condition, airspeed=airspeed, density=air)
+    body = aircraft.derivatives.body
+    per_unit = body.row_factors(condition, aircraft.modes.mass)[body.size :]
+    known = list(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
+    own = [(body.size + k, body.size + k) for k in range(change.size)]
+    places = list(dict.fromkeys([*known, *own]))
+    at = [places.index(place) for place in own]
+    covariance = np.zeros((len(places), len(places)))
+    covariance[: len(known), : len(known)] = uncertain.covariance
+    covariance[at, at] += (change / per_unit) ** 2
+    rows, columns = np.array(places).T
+    return UncertainDerivatives(rows, columns, covariance)
 
 
 def _compare_crossings(
@@ -202,14 +257,18 @@ def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float
     """
     if found.stiffness is None:
         return 0.0
-    aircraft, stiffness = found.aircraft, found.stiffness
-    air = aircraft.condition.density if density is None else density
-    pressure = 0.5 * air * crossing.airspeed**2
-    modes = aircraft.modes
-    left = 1.0 - pressure / _find_independent_pressures(found, stiffness)
-    change = 2.0 * modes.omega**2 * stiffness.relative_std * left
-    slopes = compute_frequency_slopes(aircraft, crossing, density)
+    change = _compute_stiffness_change(found, found.stiffness, crossing.airspeed, density)
+    slopes = compute_frequency_slopes(found.aircraft, crossing, density)
     return float(np.sqrt(np.sum((slopes * change) ** 2)))
+
+
+def _compute_stiffness_change(
+    found: IdentifiedModes, stiffness: StiffnessError, airspeed: float, density: float | None
+) -> Float[np.ndarray, " n_modes"]:
+    """Standard deviations of the squared frequencies that derivatives leave. [rad2/s2]"""
+    air = found.aircraft.condition.density if density is None else density
+    left = 1.0 - 0.5 * air * airspeed**2 / _find_independent_pressures(found, stiffness)
+    return 2.0 * found.aircraft.modes.omega**2 * stiffness.relative_std * left
 
 
 def fuse_at_crossing(

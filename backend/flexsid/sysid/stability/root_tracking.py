@@ -91,12 +91,15 @@ class RootLocus:
         return tuple(one for one in self.crossings if one.mechanism not in _SLOW_FLIGHT)
 
     @property
+    def fast(self) -> tuple[int, ...]:
+        """Branches without spiral and phugoid."""
+        kinds = map(_classify, self.names, np.imag(self.roots[0]).tolist())
+        return tuple(k for k, kind in enumerate(kinds) if kind not in _SLOW_FLIGHT)
+
+    @property
     def unstable(self) -> tuple[int, ...]:
         """Branches that are unstable at the lowest speed, without spiral and phugoid."""
-        growing = np.flatnonzero(np.real(self.roots[0]) > 0.0).tolist()
-        roots = self.roots[0].tolist()
-        mechanisms = {k: _classify(self.names[k], roots[k].imag) for k in growing}
-        return tuple(k for k in growing if mechanisms[k] not in _SLOW_FLIGHT)
+        return tuple(k for k in self.fast if np.real(self.roots[0, k]) > 0.0)
 
     def damping(self) -> Float[np.ndarray, "n_v n_branches"]:
         """Damping ratios; negative where unstable. [1]"""

@@ -200,7 +200,9 @@ def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFi
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
     estimate = apply_priors(estimate, task.priors)
-    adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, spread)
+    adequacy, symmetry = assess_model_adequacy(
+        task, (), parameters, estimate, spread, replace(parameters, start=estimate.values)
+    )
     return EstimatorFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
 
 
@@ -215,13 +217,14 @@ def fit_likelihood(
         candidates = collect_starting_points(task, report)
     fit = fit_without_feedback_noise(task, report, candidates)
     if fit is not None:
-        return _complete_corrected_fit(fit)
+        return _complete_corrected_fit(fit, next(iter(candidates.values())))
     experiments = build_experiments(task)
     candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
     parameters, start, estimate = maximize_from_starts(
         task, experiments, report, candidates=candidates
     )
-    return complete_likelihood_fit(task, experiments, parameters, estimate, start, report)
+    first = next(iter(candidates.values()))
+    return complete_likelihood_fit(task, experiments, parameters, estimate, start, report, first)
 
 
 def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Parameters:
@@ -230,10 +233,12 @@ def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Paramete
     return add_end_states(parameters, free) if has_end_states(parameters, free) else parameters
 
 
-def _complete_corrected_fit(fit: CorrectedFit) -> EstimatorFit:
+def _complete_corrected_fit(fit: CorrectedFit, first: Parameters) -> EstimatorFit:
     task, parameters, estimate, spread = fit.task, fit.parameters, fit.estimate, fit.spread
     warnings = _list_method_warnings(task, fit.experiments, parameters, estimate, spread)
-    adequacy, symmetry = assess_model_adequacy(task, fit.experiments, parameters, estimate, spread)
+    adequacy, symmetry = assess_model_adequacy(
+        task, fit.experiments, parameters, estimate, spread, first
+    )
     if estimate.noise is not None and not estimate.noise.converged:
         reason = _BIASED.format(change="did not converge", **_TURBULENCE)
         warnings = (*warnings, reason)
@@ -249,11 +254,12 @@ def complete_likelihood_fit(
     estimate: Estimate,
     start: str,
     report: ReportProgress,
+    first: Parameters,
 ) -> EstimatorFit:
     """Complete a fit of output error or frequency-response error from its optimum.
 
     The spread of the nuisance prior, leakage, weights from the noise spectrum, and the tests for
-    remaining model error.
+    remaining model error, at the start ``first`` where there is no optimum.
     """
 
     def refit(estimate: Estimate, spread: float) -> Estimate:
@@ -277,7 +283,7 @@ def complete_likelihood_fit(
     weighted = weight_by_noise_spectrum(
         corrected, parameters, estimate, settings, report_noise_spectrum
     )
-    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread, first)
     noise, values = weighted.noise, weighted.values
     change = compute_weighting_change(estimate, weighted) if values is not estimate.values else 0.0
     is_suspect = adequacy.state is AdequacyState.SUSPECT
@@ -285,7 +291,9 @@ def complete_likelihood_fit(
         # Residuals that are model error are no noise: weighted with them, a fit follows the
         # frequencies and outputs where the model is least wrong.
         weighted = replace(estimate, noise=describe_common_noise(corrected, settings))
-        again, of_symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+        again, of_symmetry = assess_model_adequacy(
+            task, corrected, parameters, weighted, spread, first
+        )
         if again.state is AdequacyState.SUSPECT:  # the sizes stated are about these values
             adequacy, symmetry = again, of_symmetry
     converged = noise is None or noise.converged

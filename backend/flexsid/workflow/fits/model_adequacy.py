@@ -28,11 +28,14 @@ from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
 from flexsid.sysid.estimation.leakage import remove_leakage
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, build_experiments
 
 _MOST_REASONS = 2
+_SIGN = 1.5  # loss of a sensor, relative: it is nearer to the opposite sign than to none
+_NOTHING = 0.7  # the same: nearer to none than to half of the signal
 
 
 def assess_model_adequacy(
@@ -41,8 +44,11 @@ def assess_model_adequacy(
     parameters: Parameters,
     estimate: Estimate,
     spread: float,
+    start: Parameters,
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
     """Test a fit for remaining model error by the residuals of output error at its estimate.
+
+    Where there is no optimum to test, the reason names what is most wrong at ``start``.
 
     Parameters
     ----------
@@ -55,6 +61,8 @@ def assess_model_adequacy(
         The fit.
     spread
         Spread of the nuisance prior.
+    start
+        Free parameters at their first start values, those of equation error by default.
 
     Returns
     -------
@@ -63,24 +71,23 @@ def assess_model_adequacy(
         excited.
     """
     if not estimate.outcome.is_optimum:
-        return _describe_untested(
-            task, f"Not tested, since the fit did not converge: {estimate.outcome}."
-        )
+        reason = f"Not tested, since the fit did not converge: {estimate.outcome}."
+        return _describe_untested(task, f"{reason}{_name_causes(task, start, spread)}")
     if find_parameters_at_limits(parameters, estimate.values).any():
-        return _describe_untested(task, "Not tested, since a parameter is at its limit.")
+        reason = "Not tested, since a parameter is at its limit."
+        return _describe_untested(task, f"{reason}{_name_causes(task, start, spread)}")
     maneuvers = task.maneuvers
     is_of_record = not fits_some_inputs(task)
     if is_of_record and task.method is not Method.OE:
         # The tests remove the errors of the estimate to first order, whatever the estimator.
         experiments = build_record_experiments(task, parameters, estimate)
-    further = min(len(data.extended_model.modes.numbers) for data in maneuvers)
     try:
         tests = compute_model_tests(
             experiments,
             parameters,
             estimate.values,
             task.list_priors(spread),
-            extended_models=[data.extended_model.with_modes(further) for data in maneuvers],
+            extended_models=_list_extended_models(task),
             opposed_motions=[
                 _reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers
             ],
@@ -91,20 +98,20 @@ def assess_model_adequacy(
         return _describe_untested(task, "Not tested, since the information of the fit is singular.")
     if not tests:
         return _describe_untested(task, "Not tested, since the data have too few frequencies.")
-    is_shaped = task.settings.aerodynamics.is_shaped
+    is_shaped, n_outputs = task.settings.aerodynamics.is_shaped, len(task.model.outputs)
     results = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
     influences = [test.influence for test in tests if test.influence is not None]
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
     others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
     claim = "for remaining model error rejects the model"
     adequacy = replace(
-        _summarize(others, claim, results, is_shaped=is_shaped),
+        _summarize(others, claim, results, n_outputs, is_shaped=is_shaped),
         without_sensors=tuple(_describe_influence(one, results) for one in influences),
     )
     if not of_symmetry:
         return adequacy, None
     claim = "of symmetry indicates an asymmetry"
-    return adequacy, _summarize(of_symmetry, claim, results, is_shaped=is_shaped)
+    return adequacy, _summarize(of_symmetry, claim, results, n_outputs, is_shaped=is_shaped)
 
 
 def fits_some_inputs(task: EstimationTask) -> bool:
@@ -128,6 +135,51 @@ def build_record_experiments(
     return [remove_leakage(one, parameters, estimate.values) for one in experiments]
 
 
+def _list_extended_models(task: EstimationTask) -> list[AeroelasticModel]:
+    models = [data.extended_model for data in task.maneuvers]
+    further = min(len(model.modes.numbers) for model in models)
+    return [model.with_modes(further) for model in models]
+
+
+def _name_causes(task: EstimationTask, start: Parameters, spread: float) -> str:
+    """Name what is most wrong at the start values of a fit without an optimum; empty if nothing.
+
+    Notes
+    -----
+    A score test removes the errors of the free parameters to first order and needs no optimum. The
+    end of an iteration that found none is no better point: there the parameters have already
+    followed the error. Only large causes are of use: the start is not the truth.
+    """
+    experiments = build_experiments(task, Method.OE)
+    try:
+        tests = compute_model_tests(
+            experiments,
+            start,
+            start.start,
+            task.list_priors(spread),
+            extended_models=_list_extended_models(task),
+            nuisance=task.marginalised,
+        )
+    except np.linalg.LinAlgError:
+        return ""
+    is_shaped = task.settings.aerodynamics.is_shaped
+    causes = _select_causes(tests, len(task.model.outputs))
+    meanings = [_state_meaning(test, None, is_shaped) for test in causes[:_MOST_REASONS]]
+    return f" At its start values most is wrong with this: {' '.join(meanings)}" if meanings else ""
+
+
+def _select_causes(tests: Sequence[ModelTest], n_outputs: int) -> list[ModelTest]:
+    """Select the rejecting tests of held quantities that explain most of the residuals.
+
+    At least half of the residuals of one output, and half of what the first cause explains.
+    """
+    found = sorted((test for test in tests if test.rejects), key=lambda test: -test.explained)
+    if not found:
+        return []
+    least = max(0.5 / n_outputs, 0.5 * found[0].explained)
+    return [test for test in found if test.explained >= least]
+
+
 def _describe_untested(
     task: EstimationTask, reason: str
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
@@ -137,11 +189,18 @@ def _describe_untested(
 
 
 def _summarize(
-    tests: Sequence[ModelTest], claim: str, results: Estimate, *, is_shaped: bool
+    tests: Sequence[ModelTest],
+    claim: str,
+    results: Estimate,
+    n_outputs: int,
+    *,
+    is_shaped: bool,
 ) -> ModelAdequacy:
     """Summarize tests; the claim completes "None of 12 tests ..."."""
     found = tuple(_describe_test(test, results, is_shaped=is_shaped) for test in tests)
-    rejecting = [test for test in found if test.rejects]
+    # A cause explains residuals, however small their own p is.
+    causes = [found[tests.index(test)] for test in _select_causes(tests, n_outputs)]
+    rejecting = list(dict.fromkeys([*causes, *(test for test in found if test.rejects)]))
     if not rejecting:
         reason = f"None of {len(found)} tests {claim}."
         return ModelAdequacy(state=AdequacyState.CONSISTENT, reason=reason, tests=found)
@@ -202,7 +261,7 @@ def _describe_test(test: ModelTest, results: Estimate, *, is_shaped: bool) -> Ad
     )
 
 
-def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
+def _state_meaning(test: ModelTest, results: Estimate | None, is_shaped: bool) -> str:
     """State what a rejecting test indicates, with the size of the missing quantity."""
     name, value = test.subject, test.estimate
     size = 0.0 if value is None or not np.isfinite(value) else value
@@ -211,10 +270,17 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
             way = "later" if size > 0.0 else "earlier"
             return f"{name} is recorded about {1e3 * abs(size):.2g} ms {way} than modelled."
         case Hypothesis.OUTPUT_SCALE:
+            if size < -_SIGN:
+                return f"{name} has the opposite sign of what is modelled: check its axis."
+            if size < -_NOTHING:
+                return (
+                    f"{name} measures almost nothing of what is modelled: check its scale factor, "
+                    "and the signs of its two sides if it is a mean."
+                )
             way = "more" if size > 0.0 else "less"
             return (
-                f"{name} measures about {100.0 * abs(size):.2g} % {way} than modelled: check its "
-                "scale factor, location and mode shape."
+                f"{name} measures about {_format_size(100.0 * abs(size))} % {way} than modelled: "
+                "check its scale factor, location and mode shape."
             )
         case Hypothesis.INPUT_DELAY:
             way = "after" if size > 0.0 else "before"
@@ -238,11 +304,13 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
             )
         case Hypothesis.RESIDUAL_POWER:
             return (
-                f"The residuals of {name} have {size:.2g} times the power of the noise there: the "
-                "model is not adequate in this band."
+                f"The residuals of {name} have {_format_size(size)} times the power of the noise "
+                "there: the model is not adequate in this band."
             )
         case Hypothesis.SENSOR_CONSISTENCY:
-            return "" if test.influence is None else _state_change(test.influence, results)
+            if results is None or test.influence is None:
+                return ""
+            return _state_change(test.influence, results)
         case Hypothesis.SURFACE_EFFECTIVENESS:
             loss = 200.0 * abs(size) / (1.0 + abs(size))
             less = "left" if size > 0.0 else "right"
@@ -257,6 +325,11 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
                 f"{test.frequency_hz:.3g} Hz: left and right surfaces or sensors differ, or the "
                 "flight was not symmetric."
             )
+
+
+def _format_size(value: float) -> str:
+    """Format two digits without an exponent."""
+    return f"{float(f'{value:.2g}'):.6g}"
 
 
 def _state_change(influence: SensorInfluence, results: Estimate) -> str:

@@ -41,6 +41,7 @@ from flexsid.workflow.flutter.flutter_models import (
     Variation,
     compute_spread,
     fuse_runs,
+    list_nuisance_modes,
     name_motion,
 )
 from flexsid.workflow.flutter.flutter_roots import (
@@ -187,12 +188,12 @@ def store_flutter(
 def _summarise_structure(group: Group, *, preferred: bool) -> StructureForecast:
     found, prediction, last = group.found, group.prediction, group.parts[-1]
     numbers, estimated = found.aircraft.modes.numbers, found.estimated_modes
-    crossing = prediction.crossing
+    crossing, nuisance = prediction.crossing, list_nuisance_modes(group.parts, found)
     return StructureForecast(
         run_ids=tuple(part.run.id or 0 for part in group.parts),
         modes=tuple(n for n in numbers if n in estimated),
-        held_modes=tuple(n for n in numbers if n not in estimated.union(last.retained_modes)),
-        nuisance_modes=last.retained_modes,
+        held_modes=tuple(n for n in numbers if n not in estimated.union(nuisance)),
+        nuisance_modes=nuisance,
         unmodelled_modes=last.omitted_modes,
         source=last.source,
         airspeed_m_s=None if crossing is None else crossing.airspeed,

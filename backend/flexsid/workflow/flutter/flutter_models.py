@@ -371,7 +371,11 @@ def fuse_runs(
     for same in structures:
         found, note = _fuse(store, same, at, fuel)
         fused.append(
-            (same, found, f"{_describe_modes(same[-1])}{refused}{note}{_describe_outcomes(same)}")
+            (
+                same,
+                found,
+                f"{_describe_modes(same, found)}{refused}{note}{_describe_outcomes(same)}",
+            )
         )
     has_failed_fits = any(one.failure is not None for one in derived.used)
     groups = _predict_groups(fused, at, fuel, has_failed_fits=has_failed_fits)
@@ -487,18 +491,22 @@ def _add_note(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
     return replace(prediction, sentence=prediction.sentence + note)
 
 
-def _describe_modes(part: RunModel) -> str:
-    """Describe the modes that the run did not estimate."""
-    found = part.found
-    known = found.estimated_modes.union(part.retained_modes)
-    held = [n for n in found.aircraft.modes.numbers if n not in known]
+def _describe_modes(parts: Sequence[RunModel], fused: IdentifiedModes) -> str:
+    """Describe the modes that the runs did not estimate."""
+    part, estimated = parts[-1], fused.estimated_modes
+    retained = list_nuisance_modes(parts, fused)
+    known = estimated.union(retained)
+    held = [n for n in fused.aircraft.modes.numbers if n not in known]
     if part.coarse_mesh:
         return " Shape of a coarser mesh, in a second fit, to bound the effect of the mesh."
     if part.check:
         return " One mode fewer, in a second fit, to bound the effect of omitted modes."
     text = ""
-    if part.retained_modes:
-        text += f" Modes {_join(part.retained_modes)} as nuisance parameters."
+    if retained:
+        text += f" Modes {_join(retained)} as nuisance parameters."
+    for one in parts:
+        if own := [n for n in one.retained_modes if n in estimated]:
+            text += f" Modes {_join(own)} as nuisance parameters in run {one.run.id}."
     if held and part.source is not None:
         text += f" Modes {_join(held)} with derivatives of {part.source}, in a second fit."
     elif held:
@@ -509,6 +517,12 @@ def _describe_modes(part: RunModel) -> str:
             " response at the flown condition."
         )
     return text
+
+
+def list_nuisance_modes(parts: Sequence[RunModel], fused: IdentifiedModes) -> tuple[int, ...]:
+    """List the modes that are nuisance parameters in all runs that have them."""
+    retained = {n for part in parts for n in part.retained_modes}
+    return tuple(sorted(retained - fused.estimated_modes))
 
 
 def _describe_outcomes(parts: Sequence[RunModel]) -> str:

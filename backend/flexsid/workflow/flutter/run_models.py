@@ -271,11 +271,20 @@ def _build_identified_modes(
     retained: RetainedModes | None = None,
     priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> IdentifiedModes:
-    """Build identified modes from derivatives and their part of the covariance."""
+    """Build identified modes from derivatives and their part of the covariance.
+
+    Modes and derivatives have the order of the modal table, whichever modes a run retained: runs
+    of the same modes are fused.
+    """
+    modes = model.modes
+    if model.shape is None:
+        modes = modes.select(tuple(sorted(modes.numbers)))
+        derivatives = derivatives.select(modes.numbers, derivatives.inputs)
     rows = coefficients(derivatives.modes, derivatives.body)
     columns = variables(derivatives.modes, derivatives.inputs, derivatives.body)
     places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
     selected = [k for k, name in enumerate(names) if name in places]
+    selected.sort(key=lambda k: places[names[k]])
     where = np.array([places[names[k]] for k in selected], dtype=int).reshape(-1, 2)
     relative_std = [
         float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
@@ -283,13 +292,14 @@ def _build_identified_modes(
         else frequency_std[number]
         for number in derivatives.modes
     ]
+    slopes = dict(zip(model.modes.numbers, _compute_stiffness_slopes(model), strict=True))
     return IdentifiedModes(
-        Aeroelastic(model.condition, model.modes, derivatives, model.shape),
+        Aeroelastic(model.condition, modes, derivatives, model.shape),
         UncertainDerivatives(where[:, 0], where[:, 1], covariance[np.ix_(selected, selected)]),
         StiffnessError(
             np.array(relative_std),
             model.condition.dynamic_pressure,
-            _compute_stiffness_slopes(model),
+            np.array([slopes[number] for number in modes.numbers]),
         ),
         _get_prior(retained, priors or {}, [names[k] for k in selected]),
     )
