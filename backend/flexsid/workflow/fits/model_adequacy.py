@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import NotIdentifiable
+from flexsid.records import finite_or_none
 from flexsid.records.run import (
     AdequacyState,
     AdequacyTest,
@@ -86,6 +87,7 @@ def assess_model_adequacy(
             ],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
             nuisance=estimate.nuisance,
+            std_errors=estimate.std_errors if task.method is Method.EE else None,
         )
     except np.linalg.LinAlgError:
         return _describe_untested(task, "Not tested, since the information of the fit is singular.")
@@ -198,6 +200,7 @@ def _describe_test(test: ModelTest, results: Estimate, *, is_shaped: bool) -> Ad
         p=test.p,
         adjusted_p=test.adjusted_p,
         rejects=test.rejects,
+        estimate=None if test.estimate is None else finite_or_none(test.estimate),
         meaning=_state_meaning(test, results, is_shaped) if test.rejects else "No evidence.",
     )
 
@@ -240,6 +243,12 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
             return (
                 f"The residuals of {name} have {size:.2g} times the power of the noise there: the "
                 "model is not adequate in this band."
+            )
+        case Hypothesis.REGRESSOR_NOISE:
+            own = float(results.values[results.names.index(name)]) if name in results.names else 0.0
+            return (
+                f"Output error would change {name} by {size:.2g} from {own:.3g}: noise that its "
+                "regressors share, such as turbulence at a vane, biases equation error. Use OE."
             )
         case Hypothesis.SENSOR_CONSISTENCY:
             return "" if test.influence is None else _state_change(test.influence, results)
