@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -25,6 +26,7 @@ from waiting import wait_until
 DURATION_S = 7.5
 FINEST_RAD = np.deg2rad(0.01)
 RIGID = {"modes": []}
+CHANGE = r"would be (-?[\d.]+) instead of (-?[\d.]+)"
 CLIENT = """
 import sys
 from flexsid.client import Workbench
@@ -272,6 +274,8 @@ def test_the_cause_of_a_rejection_is_named_and_its_correction_settles_it(
         adequacy = run["adequacy"]
         assert adequacy["state"] == "suspect"
         assert adequacy["reason"].startswith(begin), adequacy["reason"]
+        changes = [re.search(CHANGE, one["meaning"]) for one in adequacy["tests"]]
+        assert [one[0] for one in changes if one and one[1] == one[2]] == []
     correction = adequacy["causes"][0]["finding"]["correction"]
     assert correction["channel"] == channel
     assert {name: correction[name] for name in option} == option

@@ -246,9 +246,10 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
             )
         case Hypothesis.REGRESSOR_NOISE:
             own = float(results.values[results.names.index(name)]) if name in results.names else 0.0
+            before, after = _format_change(own, size)
             return (
-                f"Output error would change {name} by {size:.2g} from {own:.3g}: noise that its "
-                "regressors share, such as turbulence at a vane, biases equation error. Use OE."
+                f"By output error {name} would be {after} instead of {before}: noise of the "
+                "regressors, such as turbulence at a vane, biases equation error. Use OE."
             )
         case Hypothesis.SENSOR_CONSISTENCY:
             return "" if test.influence is None else _state_change(test.influence, results)
@@ -270,10 +271,17 @@ def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
 
 def _state_change(influence: SensorInfluence, results: Estimate) -> str:
     """State the parameter that changes most without a sensor, over the noise of the change."""
-    k = influence.largest
-    sensor, value = influence.output, float(results.values[k])
+    k, sensor = influence.largest, influence.output
+    before, after = _format_change(float(results.values[k]), float(influence.change[k]))
     return (
-        f"Without {sensor}, {results.names[k]} would be {value + float(influence.change[k]):.3g} "
-        f"instead of {value:.3g} ({influence.z:.2g} standard errors of the difference): check "
-        f"{sensor}, its location and its mode shapes."
+        f"Without {sensor}, {results.names[k]} would be {after} instead of {before} "
+        f"({influence.z:.2g} standard errors of the difference): check {sensor}, its location and "
+        "its mode shapes."
     )
+
+
+def _format_change(value: float, change: float) -> tuple[str, str]:
+    """Format a value and the changed one with two digits of their difference, three at least."""
+    sizes = [size for size in (10.0 * abs(value), abs(change)) if size > 0.0]
+    digits = max(0, *(1 - int(np.floor(np.log10(size))) for size in sizes)) if sizes else 0
+    return f"{value:.{digits}f}", f"{value + change:.{digits}f}"
