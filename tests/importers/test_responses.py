@@ -297,6 +297,12 @@ def test_modes_of_all_doors_are_those_of_the_structure(tmp_path: Path) -> None:
         assert damping == pytest.approx(DAMPING, rel=5 * tolerance)
 
 
+def test_conjugated_responses_contradict_causality(tmp_path: Path) -> None:
+    found = extract_responses(read(tmp_path, gvt_csv=tabulate()), ResponseOptions(name="GVT"))
+    with pytest.raises(BadInput, match="contradicts causality"):
+        identify(replace(found, values=found.values.conj()))
+
+
 @pytest.mark.parametrize(
     ("text", "averaging", "message"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -19,12 +20,13 @@ from rigid_record import (
     simulate_doublet,
     write_record,
 )
-from shipped import Client, ask_command, make_environment, serving
+from shipped import Client, ask_command, make_environment, run_command, serving
 from waiting import wait_until
 
 DURATION_S = 7.5
 FINEST_RAD = np.deg2rad(0.01)
 RIGID = {"modes": []}
+CHANGE = r"would be (-?[\d.]+) instead of (-?[\d.]+)"
 CLIENT = """
 import sys
 from flexsid.client import Workbench
@@ -208,3 +210,119 @@ def test_a_clipped_and_a_frozen_sensor_are_not(doublet: Doublet, tmp_path: Path)
     warnings = [one for one in quality["report"]["warnings"] if one["channel"] is not None]
     about = {(one["about"], one["channel"]) for one in warnings}
     assert about == {("saturation", "q"), ("dropouts", "alpha")}, warnings
+
+
+def make_late_surface() -> dict[str, np.ndarray]:
+    columns = simulate_doublet()
+    columns["elevator"] = np.interp(columns["t"] + 0.03, columns["t"], columns["elevator"])
+    return columns
+
+
+def repeat(samples: np.ndarray, times: int) -> np.ndarray:
+    return samples[np.arange(samples.size) // times * times]
+
+
+def make_repeated_surface() -> dict[str, np.ndarray]:
+    columns = simulate_doublet()
+    columns["elevator"] = repeat(columns["elevator"], 3)
+    return columns
+
+
+def make_surface_in_steps(rate_hz: int = 20) -> dict[str, np.ndarray]:
+    def deflect(time: np.ndarray) -> np.ndarray:
+        return repeat(make_pulses(time, (0.6, 1), (0.6, -1)), 1000 // rate_hz)
+
+    return simulate(7.5, deflect)
+
+
+def make_reversed_gyro() -> dict[str, np.ndarray]:
+    columns = simulate_doublet()
+    return columns | {"q": -columns["q"]}
+
+
+@pytest.mark.parametrize(
+    ("make", "channel", "begin", "option"),
+    [
+        (make_late_surface, "elevator", "elevator acts ", {"kind": "delay"}),
+        (
+            *(make_repeated_surface, "elevator", "elevator is held at 33.3 Hz: the recorder"),
+            {"kind": "interpolation", "between_samples": "smooth"},
+        ),
+        pytest.param(
+            *(make_surface_in_steps, "elevator", "elevator is held at 20 Hz: the surface"),
+            {"kind": "interpolation", "between_samples": "held"},
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            *(make_reversed_gyro, "q", "The sign of q is reversed"),
+            {"kind": "calibration", "scale": -1.0},
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_the_cause_of_a_rejection_is_named_and_its_correction_settles_it(
+    doublet: Doublet,
+    tmp_path: Path,
+    make: Callable[[], dict[str, np.ndarray]],
+    channel: str,
+    begin: str,
+    option: dict[str, Any],
+) -> None:
+    number = doublet.add(tmp_path, make())
+
+    def estimate(method: str) -> dict[str, Any]:
+        requested = doublet.request(maneuver_id=number, method=method)
+        return doublet.client.wait_for_end(f"runs/{requested['id']}")
+
+    for run in (estimate("EE"), estimate("OE")):
+        adequacy = run["adequacy"]
+        assert adequacy["state"] == "suspect"
+        assert adequacy["reason"].startswith(begin), adequacy["reason"]
+        changes = [re.search(CHANGE, one["meaning"]) for one in adequacy["tests"]]
+        assert [one[0] for one in changes if one and one[1] == one[2]] == []
+    correction = adequacy["causes"][0]["finding"]["correction"]
+    assert correction["channel"] == channel
+    assert {name: correction[name] for name in option} == option
+    if option["kind"] == "delay":
+        assert correction["delay_s"] == pytest.approx(-0.03, abs=5e-4)
+    doublet.client.send("post", f"maneuvers/{number}/conditioning", {"items": [correction]})
+    corrected = estimate("OE")
+    assert corrected["adequacy"]["causes"] == [], corrected["adequacy"]["reason"]
+    values = {one["name"]: one for one in corrected["parameters"]}
+    for one in run["parameters"]:
+        name, true = one["name"], DERIVATIVES[one["name"]]
+        assert abs(values[name]["value"] - true) < 4 * values[name]["std_error"], name
+        if one["std_error"] is None:
+            assert one["no_error"] in ("moved by the cause", "not converged")
+        else:  # what the correction moves by more than its error has none before
+            assert abs(one["value"] - values[name]["value"]) < 1.01 * one["std_error"], name
+
+
+def test_a_mapping_states_what_is_between_the_samples(doublet: Doublet, tmp_path: Path) -> None:
+    record, mapping = write_record(tmp_path, make_surface_in_steps(25))
+    text, column = mapping.read_text(), 'column = "elevator"\n'
+    mapping.write_text(text.replace(column, f'{column}between_samples = "stairs"\n'))
+    arguments = ("import", str(record), "--mapping", str(mapping))
+    refused = run_command(doublet.folder, doublet.database, *arguments)
+    assert refused.returncode == 2
+    assert "between_samples' must be 'held', 'linear' or 'smooth'" in refused.stderr
+    mapping.write_text(text.replace(column, f'{column}between_samples = "held"\n'))
+    number = doublet.ask(*arguments)["maneuver"]
+    channels = doublet.client.get(f"maneuvers/{number}")["channels"]
+    said = {one["name"]: one["between_samples"] for one in channels}
+    assert said == dict.fromkeys(said) | {"elevator": "held"}
+    run = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=number)['id']}")
+    assert run["adequacy"]["causes"] == []
+    found = {one["name"]: one for one in run["parameters"]}
+    for name, true in DERIVATIVES.items():
+        assert abs(found[name]["value"] - true) < 4 * found[name]["std_error"], name
+
+
+def test_a_reversed_surface_is_implausible(doublet: Doublet, tmp_path: Path) -> None:
+    columns = simulate_doublet()
+    columns["elevator"] = -columns["elevator"]
+    number = doublet.add(tmp_path, columns)
+    run = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=number)['id']}")
+    warned = [one for one in run["fit"]["warnings"] if "Check the sign of its channel" in one]
+    assert len(warned) == 1
+    assert warned[0].startswith("CZ_elevator and Cm_elevator are positive")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.spectra.fourier import finite_fourier_transform
+from flexsid.sysid.preparation.resampling import BetweenSamples, fill_between
+from flexsid.sysid.spectra.fourier import finite_fourier_transform, integrate_steps
 
 
 def integral(omega: float, duration_s: float, other: float, phase: float) -> complex:
@@ -57,3 +58,35 @@ def test_dense_even_frequencies_agree_with_the_sum_itself(n_frequencies: int):
     kernel = np.exp(-1j * np.outer(omega, 2.0 + np.arange(700) / 100.0)) / 100.0
     found = finite_fourier_transform(samples, 100.0, omega, start_s=2.0)
     np.testing.assert_allclose(found, kernel @ samples, atol=1e-11)
+
+
+@pytest.mark.parametrize("linear", [False, True])
+def test_a_held_or_linear_signal_is_integrated_exactly_between_any_times(*, linear: bool):
+    rate, start, window = 50.0, 0.1, (0.513, 1.0377)
+    samples = np.random.default_rng(0).normal(size=(60, 2))
+    omega = np.array([3.0, 20.0, 100.0])
+    edges = start + np.arange(60) / rate
+    inside = edges[(edges > window[0]) & (edges < window[1])]
+    cuts = np.concatenate([[window[0]], inside, [window[1]]])
+    node, weight = np.polynomial.legendre.leggauss(12)
+    middle, half = 0.5 * (cuts[1:] + cuts[:-1]), 0.5 * np.diff(cuts)
+    time = (middle[:, None] + half[:, None] * node).ravel()
+    share = (half[:, None] * weight).ravel()
+    below = np.floor((time - start) * rate).astype(int)
+    for column in range(2):
+        x = samples[:, column]
+        signal = np.interp(time, edges, x) if linear else x[below]
+        expected = (np.exp(-1j * np.outer(omega, time)) * share) @ signal
+        found = integrate_steps(samples, rate, omega, start, window, linear=linear)
+        np.testing.assert_allclose(found[:, column], expected, atol=1e-12)
+
+
+def test_repeated_samples_are_filled_by_what_was_between_them():
+    time = np.arange(200) / 100.0
+    smooth = np.sin(2.0 * np.pi * time)
+    repeated = smooth[np.arange(200) // 4 * 4]
+    assert fill_between(repeated, BetweenSamples.HELD) is repeated
+    for between, error in ((BetweenSamples.LINEAR, 9e-3), (BetweenSamples.SMOOTH, 1e-3)):
+        filled = fill_between(repeated, between)
+        assert np.abs(filled - smooth)[:197].max() < error
+    assert fill_between(smooth, BetweenSamples.LINEAR) is smooth

@@ -24,6 +24,7 @@ from flexsid.importers.quantity import Quantity, may_be_pulse_widths, scalar
 from flexsid.importers.source import SourceFile, Sources, refuse_field
 from flexsid.importers.table import refuse
 from flexsid.records.maneuver import Excitation, Role
+from flexsid.sysid.preparation.resampling import BetweenSamples
 from flexsid.text import check_line, one_line
 
 # --- The ``[[channels]]`` part of a mapping: names, units, roles and signs ------------------------
@@ -44,6 +45,7 @@ class RawChannel:
     """The table of the mapping that defines it, such as ``channels[2]``."""
 
     sensor: str | None = None
+    between_samples: BetweenSamples | None = None
     confirmed: tuple[str, ...] = ()
 
     def cut(self, start_s: float | None, stop_s: float | None) -> RawChannel:
@@ -151,6 +153,7 @@ def _make_channel(
         source=source,
         rule=rule.path(""),
         sensor=rule.sensor,
+        between_samples=rule.between_samples,
         confirmed=rule.confirmed,
     )
 

@@ -47,6 +47,7 @@ from flexsid.importers.table import (
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.records.modal_data import ModalKind
+from flexsid.sysid.preparation.resampling import BetweenSamples
 
 _KNOWN = Path(__file__).parent / "known"
 _LARGEST_MAPPING = 1024 * 1024
@@ -223,6 +224,9 @@ class ChannelMapping(MappingTable):
     calibration: _Calibration | None = key("recorded numbers, each with its value in unit", None)
     sensor: Text | None = key("the sensor of the aircraft that measured it", None)
     clock: Text | None = key("one of [[clocks]]", None)
+    between_samples: BetweenSamples | None = key(
+        "what the signal is between its samples; held: each until the next", None
+    )
     confirmed: tuple[WarningCode, ...] = key("codes of the warnings that are confirmed", ())
 
     @property

@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import Annotated
 
 from flexsid.allowed import Allowed, Delay, Moment, Name, Number, Share, Text
+from flexsid.sysid.preparation.resampling import BetweenSamples
 from flexsid.text import LARGEST_ID, LONGEST_TEXT, check_lines
 from flexsid.units import LARGEST
 
@@ -42,6 +43,7 @@ class RecordedChannel:
     source_file: str | None = None
     source_hash: str | None = None
     source_field: str | None = None
+    between_samples: BetweenSamples | None = None  # where the recorder is known to hold samples
 
     @property
     def stop_s(self) -> float:
@@ -212,6 +214,7 @@ class StepKind(StrEnum):
     DELAY = "delay"  # undone as a phase at every frequency; no sample is shifted
     CALIBRATION = "calibration"  # true = (recorded - bias) / scale
     REPAIR = "repair"  # samples that a spline replaces
+    INTERPOLATION = "interpolation"  # what the channel is between its samples
 
 
 Sample = Annotated[int, Allowed(ge=0, le=LARGEST_ID)]
@@ -236,6 +239,7 @@ class Correction:
     std: Annotated[float | None, Allowed(ge=0.0, le=LARGEST["number"])] = None
     basis: Annotated[str, Allowed(max_length=500, check=check_lines)] = ""
     is_shared: bool = False
+    between_samples: BetweenSamples = BetweenSamples.SMOOTH
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,6 +24,8 @@ class FindingKind(StrEnum):
     AIRSPEED = "airspeed"
     HELD = "held"
     FROZEN = "frozen"
+    ROUNDED = "rounded"
+    DRIFT = "drift"
 
 
 class CompatibilityState(StrEnum):

@@ -12,6 +12,7 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
 from flexsid.extensions import ESTIMATORS, list_extension_names
 from flexsid.records.decision import Structure
+from flexsid.records.quality import SensorFault
 from flexsid.sysid.estimation.estimate import IterationStep, OutputFit
 from flexsid.units import LARGEST
 
@@ -208,7 +209,7 @@ class ParameterEstimate:
     start: float | None = None
     cramer_rao: float | None = None  # bound for the noise that the fit estimated
     insensitivity: float | None = None  # standard error were all others known
-    no_error: str | None = None  # "not converged", "at its limit", "not identifiable"
+    no_error: str | None = None  # "not converged", "at its limit", "moved by the cause" ...
     modal_std: float | None = None
     condition_std: float | None = None
     shares: VarianceShares | None = None
@@ -332,7 +333,8 @@ class AdequacyState(StrEnum):
 class AdequacyTest:
     """One test for remaining model error; see ``sysid.estimation.model_tests.ModelTest``.
 
-    ``statistic`` is chi-square with ``degrees_of_freedom`` if the model is correct; that of a
+    ``estimate`` is the change of the held quantity after one step from the estimate, in its own
+    unit. ``statistic`` is chi-square with ``degrees_of_freedom`` if the model is correct; that of a
     residual response or the consistency of a sensor is in standard deviations and has no degrees
     of freedom. ``adjusted_p`` is the p-value in view of the number of tests (Holm); ``meaning``
     states the result in a sentence.
@@ -346,6 +348,7 @@ class AdequacyTest:
     adjusted_p: float
     rejects: bool
     meaning: str
+    estimate: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -368,13 +371,15 @@ class ModelAdequacy:
     """Whether the model is consistent with its data; ``reason`` is a sentence.
 
     ``tests`` are sorted by p, smallest first. ``without_sensors`` has one estimate for each sensor,
-    the one with the smallest p first; none in runs of earlier releases.
+    the one with the smallest p first; none in runs of earlier releases. ``causes`` are the faults
+    of the data that explain why tests reject, the most certain first.
     """
 
     state: AdequacyState = AdequacyState.NOT_TESTED
     reason: str = "The release that computed this run did not test for remaining model error."
     tests: tuple[AdequacyTest, ...] = ()
     without_sensors: tuple[EstimateWithoutSensor, ...] = ()
+    causes: tuple[SensorFault, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -28,6 +28,7 @@ from flexsid.storage.arrays import HASH_BYTES, DamagedData, build_damage_error, 
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.tables import arrays, channels, flight_channels
+from flexsid.sysid.preparation.resampling import BetweenSamples
 
 # --- Channels of a maneuver or a whole flight together with their samples, in one statement -------
 
@@ -130,6 +131,8 @@ def _query(table: str, key: str, fields: tuple[str, ...], mark: str, n_names: in
 def _record(kind: type[_Kind], fields: tuple[str, ...], row: Sequence[Any]) -> _Kind:
     values = dict(zip(fields, row, strict=False))
     values["role"] = _ROLES[values["role"]]
+    if (between := values["between_samples"]) is not None:
+        values["between_samples"] = BetweenSamples(between)
     return kind(**values)
 
 

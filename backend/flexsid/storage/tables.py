@@ -128,6 +128,7 @@ def _channels(name: str, record_id: str, records: str, *columns: sa.Column[Any])
         text("source_file", required=False),
         text("source_hash", required=False),
         text("source_field", required=False),
+        text("between_samples", required=False),
         *columns,
         sa.UniqueConstraint(record_id, "name"),
     )

@@ -64,6 +64,7 @@ _NO_SKEW = 1e-4  # the normal distribution differs by less than 1e-4 of a standa
 _LEAST_WEIGHT = 0.2  # of two frequencies, for the effect of the fit
 _PAIRS_AT_ONCE = 2000  # of frequencies, by memory
 _RELATIVE_FLOOR = 1e-20  # of the measured power: weights of noise-free data stay finite
+_LEAST_DIFFERENCE = 0.25  # of the variance: errors of both are known to a tenth
 _LEAST_FREQUENCIES = 20  # for a variance from the residuals
 
 
@@ -79,6 +80,7 @@ class Hypothesis(StrEnum):
     RESIDUAL_RESPONSE = "residual response"
     RESIDUAL_POWER = "residual power"
     SENSOR_CONSISTENCY = "sensor consistency"
+    REGRESSOR_NOISE = "noise of the regressors"
     SURFACE_EFFECTIVENESS = "surface effectiveness"
     CROSS_DERIVATIVE = "cross derivative"
     CROSS_RESPONSE = "cross response"
@@ -154,6 +156,7 @@ def compute_model_tests(
     opposed_motions: Sequence[OpposedMotion | None] = (),
     overlap: float = 1.0,
     nuisance: Set[str] = frozenset(),
+    std_errors: Float[np.ndarray, " n_theta"] | None = None,
 ) -> tuple[ModelTest, ...]:
     """Test a fit for remaining model error.
 
@@ -174,6 +177,9 @@ def compute_model_tests(
         Frequencies per resolution 1/T of the record, at least one.
     nuisance
         Names of parameters that are no results; sensors need not agree on them.
+    std_errors
+        Of an estimate by another method than output error, to test by how far it differs from it;
+        None for output error.
 
     Returns
     -------
@@ -261,9 +267,40 @@ def compute_model_tests(
         tests += _test_residual_responses(Hypothesis.CROSS_RESPONSE, fits, inverse, step)
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
     others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
+    against_efficient = []
+    if std_errors is not None and np.isfinite(std_errors).all():
+        efficient_std = np.sqrt(0.5 * overlap * np.diag(inverse))
+        against_efficient = [_test_against_efficient(parameters, step, std_errors, efficient_std)]
     return (
         *_adjust_by_holm(others, _INDEPENDENT_SHARE),
         *_adjust_by_holm(of_symmetry, _INDEPENDENT_SYMMETRY_SHARE),
+        *against_efficient,
+    )
+
+
+def _test_against_efficient(
+    parameters: Parameters, step: np.ndarray, std_errors: np.ndarray, efficient_std: np.ndarray
+) -> ModelTest:
+    """Test how far an estimate is from the efficient one, by one step towards it.
+
+    Notes
+    -----
+    Without noise in its regressors equation error is consistent, and its difference from the
+    efficient estimate has the difference of the variances: Hausman (1978), Specification tests in
+    econometrics, Econometrica 46. It is a test of the method, not of the model, by itself.
+    """
+    variance = np.maximum(std_errors**2 - efficient_std**2, _LEAST_DIFFERENCE * std_errors**2)
+    z = step / np.sqrt(variance)
+    k = int(np.argmax(np.abs(z)))
+    p = min(1.0, 2.0 * z.size * float(special.ndtr(-abs(z[k]))))
+    return ModelTest(
+        Hypothesis.REGRESSOR_NOISE,
+        parameters.names[k],
+        float(z[k]),
+        0,
+        p,
+        adjusted_p=p,
+        estimate=float(step[k]),
     )
 
 

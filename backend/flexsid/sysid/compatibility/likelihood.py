@@ -20,6 +20,7 @@ from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.text import count_noun
 
+_LARGEST_LOG = 10.0  # of the step of a ratio
 _MODEL_ERROR = 0.01  # of the spectrum nearby: calibration and places are not known better
 _NEAR = 7  # frequencies over which a spectrum is averaged
 _SIGNAL_OVER_NOISE = 4.0  # times the power of the noise, 6 dB, in half of the sensors
@@ -78,7 +79,9 @@ class FaultCandidate:
 
     def advance(self, value: float, step: float) -> float:
         """Change a value; ratios by their logarithm."""
-        return float(value * np.exp(step)) if self.is_ratio else float(value + step)
+        if self.is_ratio:
+            return float(value * np.exp(np.clip(step, -_LARGEST_LOG, _LARGEST_LOG)))
+        return float(value + step)
 
 
 Values = Mapping[FaultCandidate, float]

@@ -16,6 +16,7 @@ _FREQUENCY_TOLERANCE = 0.01  # relative change from one order to the next of a s
 _DAMPING_TOLERANCE = 0.05  # relative change from one order to the next of a stable damping ratio
 _SAME_PARTICIPATION = 0.95  # least MAC of participation vectors of a stable pole
 _LEAST_ORDERS = 0.3  # of the orders, at least three, in which a mode must be stable
+_MOST_ADVANCE = 0.02  # sine of the mean phase from one frequency to the next: noise has less
 _SAME_COLUMN = 0.9  # least MAC of participation vectors of one mode in several orders
 
 
@@ -59,7 +60,8 @@ def compute_stabilisation(
     Raises
     ------
     BadInput
-        If there are fewer frequencies than a model of this order needs.
+        If there are fewer frequencies than a model of this order needs, or the responses
+        contradict causality.
 
     Notes
     -----
@@ -75,6 +77,13 @@ def compute_stabilisation(
             "wider band or a lower order",
             code="too-few-frequencies",
         )
+    if _compute_advance(responses) > _MOST_ADVANCE:
+        raise BadInput(
+            "the phase of the responses rises through their resonances, which contradicts "
+            "causality: they are conjugated, or forces and responses are exchanged; conjugate "
+            "their values",
+            code="acausal-responses",
+        )
     span = float(omega[-1] - omega[0])
     step = np.pi / (1.02 * span)  # the band ends just below half a turn of z
     powers = np.exp(-1j * np.outer((omega - omega[0]) * step, np.arange(highest_order + 1)))
@@ -88,6 +97,17 @@ def compute_stabilisation(
         poles += now
         before = now
     return tuple(pole for pole in poles if omega[0] <= pole.omega <= omega[-1])
+
+
+def _compute_advance(responses: Complex[np.ndarray, "n_omega n_outputs n_references"]) -> float:
+    """Sine of the mean advance of phase from one frequency to the next, weighted by power.
+
+    A resonance turns the response of a stable structure back by half a turn where it is largest,
+    a delay turns it back everywhere; phase rises only between resonances, where it is small.
+    """
+    power = responses[1:] * responses[:-1].conj()
+    total = float(np.sum(np.abs(power)))
+    return float(np.sum(np.imag(power))) / total if total > 0.0 else 0.0
 
 
 def _compute_reduced_normal(

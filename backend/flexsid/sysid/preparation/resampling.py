@@ -9,12 +9,13 @@ difference for what a mirror turns round: lateral accelerations, roll and yaw
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from enum import StrEnum
 from fractions import Fraction
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
-from scipy import fft
+from scipy import fft, interpolate
 
 from flexsid.errors import BadInput
 
@@ -200,6 +201,15 @@ def parity(weights: Iterable[tuple[float, float]]) -> Part | None:
 
 # --- Channels that repeat each sample until the next one of a slower clock ------------------------
 
+
+class BetweenSamples(StrEnum):
+    """What a signal is between its samples."""
+
+    HELD = "held"  # each until the next, as a surface that moves in steps
+    LINEAR = "linear"
+    SMOOTH = "smooth"  # a spline
+
+
 _LEAST_CHANGES = 12  # fewer new samples may be those of a signal that rests
 _LEAST_REPEATED = 1.5  # samples between new ones
 _LARGEST_SPREAD = 0.6  # samples: two clocks without a common divisor alternate by one
@@ -236,3 +246,19 @@ def find_new_samples(samples: Float[np.ndarray, " n"]) -> Int[np.ndarray, " n_ne
     before = changes[0] - np.rint(step * np.arange(int(changes[0] // step), 0, -1)).astype(int)
     after = np.arange(changes[-1], x.size, step).astype(int)
     return np.unique(np.concatenate([before, *between, after]))
+
+
+def fill_between(
+    samples: Float[np.ndarray, " n"], between: BetweenSamples
+) -> Float[np.ndarray, " n"]:
+    """Replace the repeated samples of a held channel by what the signal was between the new ones.
+
+    A channel that is new at every sample, and one that is held, stay as they are.
+    """
+    new = None if between is BetweenSamples.HELD else find_new_samples(samples)
+    if new is None:
+        return samples
+    index = np.clip(np.arange(samples.size), new[0], new[-1])
+    if between is BetweenSamples.LINEAR:
+        return np.interp(index, new, samples[new])
+    return interpolate.make_interp_spline(new, samples[new], k=3)(index)

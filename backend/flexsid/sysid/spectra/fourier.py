@@ -257,6 +257,40 @@ def integrate_between(
     return transform * np.exp(-1j * omega * (start_s + first / rate_hz))[:, None]
 
 
+def integrate_steps(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    omega: Float[np.ndarray, " n_omega"],
+    start_s: float,
+    window_s: tuple[float, float],
+    *,
+    linear: bool = False,
+) -> Complex[np.ndarray, "n_omega n_channels"]:
+    """Integrate channels that are held between their samples, or are straight lines there.
+
+    Parameters and result are those of ``integrate_between``; no frequency is zero.
+
+    Notes
+    -----
+    By parts, x exp(-j omega t) leaves the ends and the integral of the derivative: steps at the
+    samples of a held signal, a held signal itself of one that is linear.
+    """
+    begin, end = ((time_s - start_s) * rate_hz for time_s in window_s)
+    first, last = int(np.floor(begin + _ROUNDING)), int(np.ceil(end - _ROUNDING)) - 1
+    low, high = samples[first], samples[last]
+    if linear:
+        slopes = rate_hz * np.diff(samples, axis=0, append=samples[-1:])
+        low = low + (begin - first) / rate_hz * slopes[first]
+        high = high + (end - last) / rate_hz * slopes[last]
+        inside = integrate_steps(slopes, rate_hz, omega, start_s, window_s)
+    else:
+        steps = np.diff(samples[first : last + 1], axis=0)
+        next_s = start_s + (first + 1) / rate_hz
+        inside = rate_hz * finite_fourier_transform(steps, rate_hz, omega, next_s)
+    left, right = (np.exp(-1j * omega * time_s)[:, None] for time_s in window_s)
+    return (low * left - high * right + inside) / (1j * omega)[:, None]
+
+
 def compute_harmonic_frequencies(
     harmonics: np.ndarray, period_s: float
 ) -> Float[np.ndarray, " n_omega"]:

@@ -39,6 +39,7 @@ from flexsid.sysid.estimation.weighted_fit import (
     weight_by_noise_spectrum,
     widen_by_change,
 )
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.equation_error_fit import collect_starting_points, fit_equation_error
 from flexsid.workflow.fits.estimation_task import (
@@ -65,8 +66,10 @@ from flexsid.workflow.fits.likelihood_fit import (
     refit_with_spread,
 )
 from flexsid.workflow.fits.model_adequacy import assess_model_adequacy
+from flexsid.workflow.fits.named_cause import TestedFit, name_cause
 from flexsid.workflow.fits.run_warnings import (
     list_result_warnings,
+    warn_of_implausible_surfaces,
     warn_of_interpolation,
     warn_of_lag,
     warn_of_limits,
@@ -80,6 +83,7 @@ from flexsid.workflow.fits.variance_budget import compute_variance_budget
 # --- Estimators: one entry of a table for each method ---------------------------------------------
 
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
+_PROGRESS_BEFORE_CAUSE = 0.98  # progress when a rejected model is fitted to corrected data
 _MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
 _BIASED = (
     "The fit weighted with the noise spectrum of the record {change}, so that values can be "
@@ -368,10 +372,11 @@ class ComputedRun:
     """Result of an estimation.
 
     ``held`` are the derivatives that were not free, ``at_limit`` the parameters that converged
-    to a physical limit, ``versions`` is the software of the worker. ``modal_std`` are the
-    standard deviations due to the modal table, ``condition_std`` those due to mass, inertia,
-    airspeed and density, which the covariance does not include; ``shares`` those of the variances
-    by their causes.
+    to a physical limit, ``moved`` those that the named cause of a rejected model moves by more
+    than their standard errors, which have none. ``versions`` is the software of the worker.
+    ``modal_std`` are the standard deviations due to the modal table, ``condition_std`` those due
+    to mass, inertia, airspeed and density, which the covariance does not include; ``shares`` those
+    of the variances by their causes.
     """
 
     estimate: Estimate
@@ -390,6 +395,7 @@ class ComputedRun:
     condition_std: dict[str, float]
     shares: dict[str, VarianceShares]
     at_limit: tuple[str, ...] = ()
+    moved: frozenset[str] = frozenset()
     retained: ComputedRetainedModes | None = None
 
 
@@ -412,11 +418,15 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     estimator = find_estimator(task.method)
     with report_errors(estimator.package):
         fit = estimator.fit(task, report)
+    moved: frozenset[str] = frozenset()
+    if fit.adequacy.state is not AdequacyState.CONSISTENT and not estimator.package:
+        fit, moved = _name_cause(estimator, task, fit, report)
     parameters, estimate, spread = fit.parameters, fit.estimate, fit.spread
     overlap = max(maneuver.measured.resolution_overlap for maneuver in task.maneuvers)
     estimate = estimate.scale_covariance(overlap)
     at_limit = find_parameters_at_limits(parameters, estimate.values)
-    estimate = estimate.without_std_errors(None if not estimate.outcome.is_optimum else at_limit)
+    unknown = at_limit | np.array([name in moved for name in estimate.names])
+    estimate = estimate.without_std_errors(None if not estimate.outcome.is_optimum else unknown)
     poles = compute_poles(task, parameters, estimate)
     warnings = [
         *task.warnings,
@@ -441,7 +451,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         start=fit.start,
         warnings=(
             *warnings,
-            *warn_of_reversed_surfaces(estimate, task.predicted),
+            *_warn_of_signs(task, estimate),
             *list_result_warnings(estimate),
         ),
         residualized=task.residualized,
@@ -453,6 +463,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         },
         retained=retained,
         at_limit=tuple(name for name in estimate.names if name in limited),
+        moved=moved,
         seconds=time.perf_counter() - began,
         versions=read_versions(),
         provenance=task.provenance,
@@ -462,3 +473,27 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         condition_std=condition_std,
         shares=shares,
     )
+
+
+def _warn_of_signs(task: EstimationTask, estimate: Estimate) -> tuple[str, ...]:
+    """Warn of surfaces whose derivatives contradict their prediction, or nature without one."""
+    if task.predicted is not None:
+        return warn_of_reversed_surfaces(estimate, task.predicted)
+    is_longitudinal = task.model.body.axis == LONGITUDINAL.axis
+    return warn_of_implausible_surfaces(
+        estimate, task.model.inputs, is_longitudinal=is_longitudinal
+    )
+
+
+def _name_cause(
+    estimator: Estimator, task: EstimationTask, fit: EstimatorFit, report: ReportProgress
+) -> tuple[EstimatorFit, frozenset[str]]:
+    """Name the cause of a rejected fit; return the fit with it and the parameters that it moves."""
+
+    def refit(corrected: EstimationTask) -> TestedFit:
+        report(Progress(fraction=_PROGRESS_BEFORE_CAUSE, message="Searching for the cause"))
+        found = estimator.fit(corrected, lambda progress: None)
+        return TestedFit(found.estimate, found.adequacy)
+
+    adequacy, moved = name_cause(task, TestedFit(fit.estimate, fit.adequacy), refit)
+    return replace(fit, adequacy=adequacy), moved

@@ -30,10 +30,11 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
+from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
 
-METHODS = "10"
+METHODS = "11"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs
@@ -138,7 +139,10 @@ class ManeuverData:
 
 @dataclass(frozen=True, slots=True)
 class ManeuverTask:
-    """A maneuver as it is sent to a worker, which computes the transforms."""
+    """A maneuver as it is sent to a worker, which computes the transforms.
+
+    ``sensors`` are those that kinematics compare, of a rigid aircraft.
+    """
 
     label: str
     model: AeroelasticModel
@@ -149,6 +153,7 @@ class ManeuverTask:
     wrong_models: Mapping[str, AeroelasticModel] = field(
         default_factory=dict[str, AeroelasticModel]
     )
+    sensors: RecordedSensors | None = None
 
     def transform(self) -> ManeuverData:
         """Compute the spectra that are fitted."""
@@ -174,7 +179,8 @@ class EstimationTask:
     the standard deviations of derivatives due to the modal table, which the data do not reduce.
     ``corrected`` are the data of the maneuvers in place of those of their transforms, if any;
     ``spread`` is that of the nuisance prior with which the fit starts. ``shape_errors`` are the
-    standard deviations of the errors of mode shapes at the outputs, by parameter.
+    standard deviations of the errors of mode shapes at the outputs, by parameter; ``drifts`` say
+    where the condition of a maneuver is not one.
     """
 
     method: Method
@@ -195,6 +201,7 @@ class EstimationTask:
     corrected: tuple[ManeuverData, ...] = ()
     spread: float = PRIOR_SPREAD
     shape_errors: Mapping[str, float] = field(default_factory=dict[str, float])
+    drifts: tuple[str, ...] = ()
 
     @property
     def retained(self) -> tuple[int, ...]:

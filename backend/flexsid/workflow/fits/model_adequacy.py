@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import NotIdentifiable
+from flexsid.records import finite_or_none
 from flexsid.records.run import (
     AdequacyState,
     AdequacyTest,
@@ -93,6 +94,7 @@ def assess_model_adequacy(
             ],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
             nuisance=estimate.nuisance,
+            std_errors=estimate.std_errors if task.method is Method.EE else None,
         )
     except np.linalg.LinAlgError:
         return _describe_untested(task, "Not tested, since the information of the fit is singular.")
@@ -257,6 +259,7 @@ def _describe_test(test: ModelTest, results: Estimate, *, is_shaped: bool) -> Ad
         p=test.p,
         adjusted_p=test.adjusted_p,
         rejects=test.rejects,
+        estimate=None if test.estimate is None else finite_or_none(test.estimate),
         meaning=_state_meaning(test, results, is_shaped) if test.rejects else "No evidence.",
     )
 
@@ -307,6 +310,13 @@ def _state_meaning(test: ModelTest, results: Estimate | None, is_shaped: bool) -
                 f"The residuals of {name} have {_format_size(size)} times the power of the noise "
                 "there: the model is not adequate in this band."
             )
+        case Hypothesis.REGRESSOR_NOISE:
+            own = float(results.values[results.names.index(name)]) if name in results.names else 0.0
+            before, after = _format_change(own, size)
+            return (
+                f"By output error {name} would be {after} instead of {before}: noise of the "
+                "regressors, such as turbulence at a vane, biases equation error. Use OE."
+            )
         case Hypothesis.SENSOR_CONSISTENCY:
             if results is None or test.influence is None:
                 return ""
@@ -334,10 +344,17 @@ def _format_size(value: float) -> str:
 
 def _state_change(influence: SensorInfluence, results: Estimate) -> str:
     """State the parameter that changes most without a sensor, over the noise of the change."""
-    k = influence.largest
-    sensor, value = influence.output, float(results.values[k])
+    k, sensor = influence.largest, influence.output
+    before, after = _format_change(float(results.values[k]), float(influence.change[k]))
     return (
-        f"Without {sensor}, {results.names[k]} would be {value + float(influence.change[k]):.3g} "
-        f"instead of {value:.3g} ({influence.z:.2g} standard errors of the difference): check "
-        f"{sensor}, its location and its mode shapes."
+        f"Without {sensor}, {results.names[k]} would be {after} instead of {before} "
+        f"({influence.z:.2g} standard errors of the difference): check {sensor}, its location and "
+        "its mode shapes."
     )
+
+
+def _format_change(value: float, change: float) -> tuple[str, str]:
+    """Format a value and the changed one with two digits of their difference, three at least."""
+    sizes = [size for size in (10.0 * abs(value), abs(change)) if size > 0.0]
+    digits = max(0, *(1 - int(np.floor(np.log10(size))) for size in sizes)) if sizes else 0
+    return f"{value:.{digits}f}", f"{value + change:.{digits}f}"

@@ -24,6 +24,7 @@ _POOR_FIT = 0.8
 _MAX_ERROR_RATIO = 2.0
 _POOR_PREDICTION = 0.5  # of the size of a derivative; panel codes are within 0.3
 _REVERSED = 2.5  # standard deviations below zero of a surface's effectiveness over its prediction
+_SURE = 3.0  # standard errors from zero
 _INTERPOLATION_BIAS = 0.5  # of the standard deviation of a response: total error 12 % larger
 _PRIOR_DOMINATES = 0.95  # posterior over prior deviation at a tenth of the prior's information
 
@@ -126,8 +127,11 @@ def list_result_warnings(estimate: Estimate) -> tuple[str, ...]:
 
 
 def warn_of_lag(adequacy: ModelAdequacy, settings: RunSettings) -> tuple[str, ...]:
-    """Warn that the forces lag the motion, by the score test of a quasi-steady fit."""
-    if settings.aerodynamics.is_shaped:
+    """Warn that the forces lag the motion, by the score test of a quasi-steady fit.
+
+    Faults of the data that explain the rejections make the test meaningless.
+    """
+    if settings.aerodynamics.is_shaped or adequacy.causes:
         return ()
     return tuple(
         f"{test.meaning} Quasi-steady derivatives and the flutter speed from them can be biased "
@@ -214,6 +218,22 @@ def warn_of_reversed_surfaces(
                 "mapping), or the prediction."
             )
     return tuple(warnings)
+
+
+def warn_of_implausible_surfaces(
+    estimate: Estimate, inputs: Iterable[str], *, is_longitudinal: bool
+) -> tuple[str, ...]:
+    """Warn of surfaces that, trailing edge down, reduce lift and pitch the nose up."""
+    if not is_longitudinal:
+        return ()
+    sure = np.array(estimate.names)[estimate.values > _SURE * estimate.std_errors]
+    return tuple(
+        f"CZ_{one} and Cm_{one} are positive, which is implausible of a surface behind the c.g. "
+        "that is positive trailing edge down. Check the sign of its channel (sign = -1 in the "
+        "mapping)."
+        for one in inputs
+        if {f"CZ_{one}", f"Cm_{one}"}.issubset(sure.tolist())
+    )
 
 
 def warn_of_limits(estimate: Estimate, at_limit: np.ndarray) -> tuple[str, ...]:

@@ -282,6 +282,7 @@ def _store_channels(
                     source_file=one.source.name,
                     source_hash=one.source.sha256,
                     source_field=one.field,
+                    between_samples=one.between_samples,
                 )
                 for one, array in zip(some, arrays, strict=True)
             ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +25,11 @@ from flexsid.workflow.aircraft.aircraft_models import (
 )
 from flexsid.workflow.measurements.maneuver_spectra import read_conditioning
 from flexsid.workflow.measurements.recording import Conditioning
+from flexsid.workflow.measurements.sensor_faults import (
+    FrozenInterval,
+    HeldChannel,
+    RecordedSensors,
+)
 
 _KINDS = (ACCELEROMETER.kind, GYRO.kind, ATTITUDE.kind, VANE.kind)
 _AIRSPEED, _ALTITUDE = "airspeed", "altitude"  # condition channels
@@ -33,37 +38,6 @@ _RESOLUTION = 1.0 / np.sqrt(12.0)  # of a digit: standard deviation of rounding
 _LEAST_NOISE = 1e-4  # of the standard deviation of the samples
 _LARGEST_GAP = 0.5  # of the record
 MAX_CLIPPED = 0.005  # of the samples: a channel with more does not measure its motion
-
-
-@dataclass(frozen=True, slots=True)
-class HeldChannel:
-    """A channel that is new at a rate below that of its samples. [Hz]"""
-
-    name: str
-    rate_hz: float
-    recorded_hz: float
-
-
-@dataclass(frozen=True, slots=True)
-class FrozenInterval:
-    """Channels that repeat one value from a time to another. [s]"""
-
-    channels: tuple[str, ...]
-    start_s: float
-    stop_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedSensors:
-    """What is compared of a maneuver, and what was found in the samples alone.
-
-    ``excluded`` has the reason by channel that is not compared.
-    """
-
-    record: FlightRecord
-    held: tuple[HeldChannel, ...]
-    frozen: tuple[FrozenInterval, ...]
-    excluded: dict[str, str]
 
 
 def read_flight_record(store: Store, maneuver: Maneuver) -> RecordedSensors:
@@ -89,7 +63,7 @@ def read_flight_record(store: Store, maneuver: Maneuver) -> RecordedSensors:
     frozen: dict[tuple[float, float], list[str]] = {}
     for name, (channel, samples) in channels.items():
         if channel.role is Role.INPUT:
-            held += _find_held(channel, samples)
+            held += _find_held(channel, samples, steps)
             continue
         if channel.role is not Role.OUTPUT and name not in (_AIRSPEED, _ALTITUDE):
             continue
@@ -107,9 +81,8 @@ def read_flight_record(store: Store, maneuver: Maneuver) -> RecordedSensors:
         if np.std(one.samples) < _QUIET * one.noise_std:
             excluded[name] = "it contains little but noise"
             continue
-        new = _find_held(channel, samples)
-        held += new
-        if not new and channel.role is Role.OUTPUT:
+        held += _find_held(channel, samples, steps)
+        if find_new_samples(samples) is None and channel.role is Role.OUTPUT:
             for interval in _find_frozen(channel, samples):
                 frozen.setdefault(interval, []).append(name)
         position = body_axes(sensor.location_m, condition)
@@ -189,12 +162,17 @@ def _estimate_noise(values: np.ndarray) -> float:
     return max(white, _RESOLUTION * digit, _LEAST_NOISE * float(np.std(values)), 1e-12)
 
 
-def _find_held(channel: Channel, samples: np.ndarray) -> list[HeldChannel]:
+def _find_held(
+    channel: Channel, samples: np.ndarray, steps: Mapping[str, Conditioning]
+) -> list[HeldChannel]:
+    """Find a channel that repeats its samples, and of which nobody has said what is between."""
+    if steps.get(channel.name, Conditioning()).between is not None:
+        return []
     new = find_new_samples(np.asarray(samples, dtype=float))
     if new is None:
         return []
     rate = channel.rate_hz * (new.size - 1) / float(new[-1] - new[0])
-    return [HeldChannel(channel.name, rate, channel.rate_hz)]
+    return [HeldChannel(channel.name, rate, channel.rate_hz, channel.role is Role.INPUT)]
 
 
 def _compute_clipped_share(samples: np.ndarray) -> float:

@@ -47,17 +47,14 @@ _SCALES = (0.01, 100.0)
 
 
 def read_conditioning(store: Store, maneuver_id: int | None) -> dict[str, Conditioning]:
-    """Read the active corrections by channel; channels without any are omitted."""
-    found: dict[str, Conditioning] = {}
+    """Read active corrections and what is between samples, of channels that have any."""
+    found = {
+        one.name: Conditioning(between=one.between_samples)
+        for one in store.channels.find(maneuver_id=maneuver_id)
+        if one.between_samples is not None
+    }
     for step in store.conditioning.find(maneuver_id=maneuver_id, undone_at=None):
-        one, before = step.correction, found.get(step.channel, Conditioning())
-        if one.kind is StepKind.DELAY:
-            after = replace(before, delay_s=one.delay_s)
-        elif one.kind is StepKind.CALIBRATION:
-            after = replace(before, scale=one.scale, bias=one.bias)
-        else:
-            after = replace(before, stretches=(*before.stretches, *one.stretches))
-        found[step.channel] = after
+        found[step.channel] = found.get(step.channel, Conditioning()).add(step.correction)
     return found
 
 
@@ -191,11 +188,11 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
                 code="bad-calibration",
                 channel=name,
             )
-    elif not one.stretches:
-        raise BadInput(
-            f"'{name}': a repair needs the samples to replace", code="no-stretch", channel=name
-        )
-    else:
+    elif one.kind is StepKind.REPAIR:
+        if not one.stretches:
+            raise BadInput(
+                f"'{name}': a repair needs the samples to replace", code="no-stretch", channel=name
+            )
         repair_samples(samples, one.stretches, rate_hz)
 
 

@@ -9,14 +9,15 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Channel, Maneuver
-from flexsid.sysid.preparation.resampling import resample
+from flexsid.records.maneuver import Channel, Correction, Maneuver, StepKind
+from flexsid.sysid.preparation.resampling import BetweenSamples, fill_between, resample
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 from flexsid.sysid.spectra.fourier import (
     compute_harmonic_frequencies,
     finite_fourier_transform,
     integrate_between,
+    integrate_steps,
 )
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 from flexsid.units import to_si
@@ -101,15 +102,31 @@ def select_frequencies(
 
 @dataclass(frozen=True, slots=True)
 class Conditioning:
-    """All active corrections of one channel."""
+    """All active corrections of one channel, and what it is between its samples if known."""
 
     delay_s: float = 0.0
     scale: float = 1.0
     bias: float = 0.0
     stretches: tuple[tuple[int, int], ...] = ()
+    between: BetweenSamples | None = None
+
+    def add(self, one: Correction) -> Conditioning:
+        """Return all corrections with a further one."""
+        match one.kind:
+            case StepKind.DELAY:
+                return replace(self, delay_s=self.delay_s + one.delay_s)
+            case StepKind.CALIBRATION:
+                bias = self.bias + self.scale * one.bias
+                return replace(self, scale=self.scale * one.scale, bias=bias)
+            case StepKind.REPAIR:
+                return replace(self, stretches=(*self.stretches, *one.stretches))
+            case StepKind.INTERPOLATION:
+                return replace(self, between=one.between_samples)
 
     def correct(self, values: np.ndarray, rate_hz: float) -> np.ndarray:
-        """Apply repairs and calibration; the delay is applied to the spectra."""
+        """Fill between samples, repair and calibrate; the delay is applied to the spectra."""
+        if self.between is not None:
+            values = fill_between(values, self.between)
         if self.stretches:
             values = repair_samples(values, self.stretches, rate_hz)
         if self.scale != 1.0 or self.bias != 0.0:
@@ -163,6 +180,11 @@ class Recording:
             )
         return replace(recording, window_s=(start_s, last_s))
 
+    def compute_duration_s(self) -> float:
+        """Return the duration of the common window. [s]"""
+        assert self.window_s is not None
+        return self.window_s[1] - self.window_s[0]
+
     def get_lag(self, name: str) -> float:
         """Return the time by which a channel records later, by correction and instrument. [s]"""
         corrected = self.conditioning.get(name)
@@ -190,23 +212,33 @@ class Recording:
         self.check(frequencies)
         omega = frequencies.omega
         needed = {part for name in names for part, _ in self.parts[name]}
-        by_clock: dict[tuple[float, float, int, float], dict[str, np.ndarray]] = {}
+        by_clock: dict[
+            tuple[float, float, int, float, BetweenSamples | None], dict[str, np.ndarray]
+        ] = {}
         for channel, samples in self.channels:
             if channel.name in needed:
                 values = self._convert_to_si(channel, samples)
                 lag_s = 0.0 if self.window_s is None else self.get_lag(channel.name)
-                by_clock.setdefault((*channel.clock, lag_s), {})[channel.name] = values
+                between = self.conditioning.get(channel.name, Conditioning()).between
+                by_clock.setdefault((*channel.clock, lag_s, between), {})[channel.name] = values
         spectra: dict[str, np.ndarray] = {}
-        for (rate_hz, start_s, _, lag_s), group in by_clock.items():
+        for (rate_hz, start_s, _, lag_s, between), group in by_clock.items():
             samples = np.stack(list(group.values()), axis=1)
             if self.window_s is None:
                 is_attitude = np.array([name in self.attitudes for name in group])
                 transform = _transform(samples, rate_hz, start_s, self.maneuver, omega, is_attitude)
+                transform *= _respond_between(omega / rate_hz, between)[:, None]
             else:
                 begin_s, last_s = self.window_s
                 window = begin_s + lag_s, last_s + lag_s
                 moved = remove_trim(samples, rate_hz, start_s, self.maneuver)
-                transform = integrate_between(moved, rate_hz, omega, start_s, window)
+                if between in (BetweenSamples.HELD, BetweenSamples.LINEAR):
+                    linear = between is BetweenSamples.LINEAR
+                    transform = integrate_steps(
+                        moved, rate_hz, omega, start_s, window, linear=linear
+                    )
+                else:
+                    transform = integrate_between(moved, rate_hz, omega, start_s, window)
             spectra.update(zip(group, transform.T, strict=True))
         for name, one in self.conditioning.items():
             if one.delay_s and name in spectra:
@@ -221,6 +253,15 @@ class Recording:
             return values
         one = self.conditioning[channel.name]
         return one.correct(np.asarray(values, dtype=float), channel.rate_hz)
+
+
+def _respond_between(theta: np.ndarray, between: BetweenSamples | None) -> np.ndarray:
+    """Return the transform of a held or linear signal over the sum of its samples."""
+    if between is BetweenSamples.HELD:
+        return np.sinc(theta / (2.0 * np.pi)) * np.exp(-0.5j * theta)
+    if between is BetweenSamples.LINEAR:
+        return np.sinc(theta / (2.0 * np.pi)) ** 2
+    return np.ones(theta.size)
 
 
 def _transform(
@@ -397,6 +438,23 @@ class ManeuverMeasurement:
         """Highest frequency. [rad/s]"""
         return float(self.frequencies.omega[-1])
 
+    def with_corrections(self, corrections: Iterable[Correction]) -> ManeuverMeasurement:
+        """Return the measurement with further corrections of its channels."""
+        recording = self.recording
+        conditioning = dict(recording.conditioning)
+        for one in corrections:
+            conditioning[one.channel] = conditioning.get(one.channel, Conditioning()).add(one)
+        recording = replace(recording, conditioning=conditioning)
+        if recording.window_s is None:
+            return replace(self, recording=recording)
+        corrected = recording.with_common_window(recording.lags_s)
+        # Frequencies remain multiples of 1/T of the window.
+        ratio = recording.compute_duration_s() / corrected.compute_duration_s()
+        frequencies, excited = (
+            replace(one, omega=ratio * one.omega) for one in (self.frequencies, self.excited)
+        )
+        return replace(self, recording=corrected, frequencies=frequencies, excited=excited)
+
     def transform(self) -> MeasuredSpectra:
         """Transform inputs, outputs and recorded excitation."""
         inputs, every, frequencies = self.inputs, self.excited.inputs, self.frequencies
@@ -412,7 +470,7 @@ class ManeuverMeasurement:
         duration_s = max(channel.n_samples / channel.rate_hz for channel in sources)
         window_s = self.recording.window_s
         if window_s is not None:
-            duration_s = window_s[1] - window_s[0]
+            duration_s = self.recording.compute_duration_s()
         first = [o.terms[0][0].name for o in self.outputs]
         output_rates = np.array([channels[n].rate_hz if n in channels else slowest for n in first])
         levels = {s.name: s.noise_std_rad for s in aircraft.surfaces}

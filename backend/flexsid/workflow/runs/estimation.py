@@ -83,9 +83,11 @@ from flexsid.workflow.fits.run_warnings import (
     warn_of_exact_shapes,
     warn_of_unknown_modes,
 )
+from flexsid.workflow.measurements.flight_records import read_flight_record
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement, warn_of_airspeed_drift
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 from flexsid.workflow.modal_data.modal_tables import (
     AircraftModes,
     load_modes_of_model,
@@ -216,6 +218,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         modes.names,
         modes.symmetric,
     )
+    drifts = tuple(text for one in maneuvers for text in warn_of_airspeed_drift(store, one))
     return EstimationTask(
         method=run.method,
         settings=settings,
@@ -235,13 +238,14 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         else next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         nuisance=nuisance,
         shape_errors=shape_errors,
+        drifts=drifts,
         prediction_id=None if prediction is None else prediction.id,
         warnings=(
             *assumed,
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
             *warn_of_exact_shapes(run.method, shape_errors),
-            *(text for one in maneuvers for text in warn_of_airspeed_drift(store, one)),
+            *drifts,
         ),
         provenance=Provenance(
             rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
@@ -432,7 +436,20 @@ def _prepare_maneuver(
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
     own_model = extended.with_modes(len(own))
     wrong = build_wrong_models(modes.table.at(fuel).select(own))
-    return ManeuverTask(maneuver.label, own_model, extended, measurement, opposed, pairs, wrong)
+    sensors = None
+    if with_opposed and not modes.names:
+        sensors = _read_sensors(store, maneuver)
+    return ManeuverTask(
+        maneuver.label, own_model, extended, measurement, opposed, pairs, wrong, sensors
+    )
+
+
+def _read_sensors(store: Store, maneuver: Maneuver) -> RecordedSensors | None:
+    """Read the sensors of a rigid aircraft that kinematics compare; None where there are none."""
+    try:
+        return read_flight_record(store, maneuver)
+    except BadInput:
+        return None
 
 
 def _prepare_opposed_axis(
@@ -563,6 +580,8 @@ def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
     def explain_missing_error(name: str, error: float) -> str | None:
         if np.isfinite(error):
             return None
+        if name in computed.moved:
+            return "moved by the cause"
         if name in computed.at_limit:
             return "at its limit"
         return "not identifiable" if estimate.outcome.is_optimum else "not converged"

@@ -100,6 +100,13 @@ function Report({ id, report }: { id: number; report: Compatibility }) {
   );
 }
 
+const TAKE = {
+  delay: "Correct the delay of",
+  calibration: "Calibrate",
+  repair: "Repair",
+  interpolation: "Interpolate",
+};
+
 /** Corrections of the faults, one click each, and those made. */
 function Corrections({ id, faults }: { id: number; faults: SensorFault[] }) {
   const take = useTakeCorrections(id);
@@ -120,8 +127,7 @@ function Corrections({ id, faults }: { id: number; faults: SensorFault[] }) {
               take.mutate([{ ...one, stretches: [], is_shared: true }]);
             }}
           >
-            {one.kind === "delay" ? "Correct the delay of" : "Calibrate"} {one.channel} in all
-            maneuvers
+            {TAKE[one.kind]} {one.channel} in all maneuvers
           </Button>
         ))}
         {take.isError && <ProblemAlert error={take.error} />}

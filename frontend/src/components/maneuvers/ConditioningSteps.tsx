@@ -72,6 +72,7 @@ function words({ correction }: ConditioningStep): string {
     const std = correction.std === null ? "" : ` ± ${fixed(1e3 * correction.std, 2)}`;
     return `delay of ${fixed(1e3 * correction.delay_s, 2)}${std} ms corrected`;
   }
+  if (correction.kind === "interpolation") return `${correction.between_samples} between samples`;
   if (correction.kind === "repair") {
     const samples = correction.stretches.reduce(
       (sum, [first = 0, stop = 0]) => sum + stop - first,

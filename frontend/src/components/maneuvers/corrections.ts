@@ -8,6 +8,7 @@ const NONE = {
   stretches: [] as [number, number][],
   basis: "",
   is_shared: false,
+  between_samples: "smooth" as const,
 };
 const SIGMAS = 3;
 /** Of some fifty channels one stands out of three by chance. */
