@@ -384,7 +384,8 @@ class RunResult:
     the derivatives that were not free, at the values they were held at. ``adequacy`` are the
     tests for remaining model error, ``symmetry`` those for an asymmetry of the aircraft, of
     maneuvers that excite both axes. ``error_causes`` are the errors that other runs may share,
-    None of an earlier release.
+    None of an earlier release. ``shape_spread`` is the estimated standard deviation of mode shapes
+    over their root mean square, None where the modal table states it.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -399,6 +400,7 @@ class RunResult:
     adequacy: ModelAdequacy = ModelAdequacy()
     symmetry: ModelAdequacy | None = None
     error_causes: ErrorCauses | None = None
+    shape_spread: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -40,7 +40,6 @@ def assess_model_adequacy(
     experiments: Sequence[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    spread: float,
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
     """Test a fit for remaining model error by the residuals of output error at its estimate.
 
@@ -53,8 +52,6 @@ def assess_model_adequacy(
         responses are tested where they are of some of the excited inputs only.
     parameters, estimate
         The fit.
-    spread
-        Spread of the nuisance prior.
 
     Returns
     -------
@@ -79,7 +76,7 @@ def assess_model_adequacy(
             experiments,
             parameters,
             estimate.values,
-            task.list_priors(spread),
+            task.list_priors(),
             extended_models=[data.extended_model.with_modes(further) for data in maneuvers],
             opposed_motions=[
                 _reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers

@@ -23,7 +23,6 @@ from flexsid.sysid.estimation.growing_record import (
     fit_growing_record,
     select_resolved_frequencies,
 )
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -155,6 +154,7 @@ def prepare_live_task(
                 channel=name,
             )
     flown = condition or store.maneuvers.get(run.maneuver_id).condition
+    parameters = select_free_parameters(task, get_first_start(task), ())
     live = LiveTask(
         condition=LiveCondition(
             airspeed_m_s=flown.airspeed_m_s,
@@ -170,8 +170,8 @@ def prepare_live_task(
         outputs=measurement.outputs,
         commands=commands,
         omega=measurement.frequencies.omega,
-        parameters=select_free_parameters(task, get_first_start(task), ()),
-        priors=task.list_priors(PRIOR_SPREAD),
+        parameters=parameters,
+        priors={name: p for name, p in task.list_priors().items() if name in parameters.names},
         mode_names=task.mode_names,
         stiffness=_read_stiffness_error(store, run, task),
         next_airspeed_m_s=next_airspeed_m_s,
