@@ -223,7 +223,7 @@ def adjust_live_task(
 
 
 def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask) -> StiffnessError:
-    """Read the standard deviation of the modal frequencies, as for the run after the flight."""
+    """Read the standard deviations of the modal table, as for the run after the flight."""
     maneuver = store.maneuvers.get(run.maneuver_id)
     modes, _ = load_modes_of_model(
         store,
@@ -232,8 +232,13 @@ def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask
         run.damping_table_id,
         task.structure.modes,
     )
-    relative = np.array([modes.frequency_std[number] for number in task.model.modes.numbers])
-    return StiffnessError(relative, task.model.condition.dynamic_pressure)
+    numbers, at = task.model.modes.numbers, task.model.condition
+    return StiffnessError(
+        np.array([modes.frequency_std[number] for number in numbers]),
+        at.dynamic_pressure,
+        damping_std=np.array([modes.damping_std[number] for number in numbers]),
+        mass_flow=at.density * at.airspeed,
+    )
 
 
 def _count_samples(rate_hz: float) -> int | None:
