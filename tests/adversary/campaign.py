@@ -16,7 +16,15 @@ from doors import (
     run_methods,
     search_structure,
 )
-from drawn_aircraft import Aircraft, Knowledge, draw_aircraft, draw_knowledge, draw_sensors
+from drawn_aircraft import (
+    Aircraft,
+    Knowledge,
+    draw_aircraft,
+    draw_assumptions,
+    draw_delays,
+    draw_knowledge,
+    draw_sensors,
+)
 from shipped import Client
 from simulated_flight import Record, fly
 from true_model import set_flutter
@@ -47,7 +55,10 @@ class Flight:
         fault = "prediction as usual" if self.knowledge.fault == "none" else self.knowledge.fault
         shapes = self.aircraft.shapes[: self.in_band]
         unseen = ("in-plane mode in the band",) if any(one.in_plane for one in shapes) else ()
-        return (*self.aircraft.traits, *self.record.traits, fault, *unseen)
+        assumed = self.knowledge.assumed
+        known = "shapes stated" if assumed.states else "shapes not stated"
+        wrong = "shapes 2 to 6 % wrong" if assumed.shape_std < 0.06 else "shapes 6 to 20 % wrong"
+        return (*self.aircraft.traits, *self.record.traits, fault, *unseen, known, wrong)
 
 
 @dataclass(frozen=True)
@@ -69,8 +80,9 @@ def draw_flight(seed: int, index: int, rows: int = ROWS) -> Flight:
         # A frequency far above those that are built makes the flutter speed; draw another one.
         if drawn is None or drawn.truth.omega[0] * drawn.wing.span > 2 * np.pi * 150:
             continue
-        aircraft = replace(drawn, sensors=draw_sensors(rng, drawn))
-        knowledge = draw_knowledge(rng, aircraft)
+        own = np.random.default_rng([seed, index, attempt, 1])
+        aircraft = draw_delays(own, replace(drawn, sensors=draw_sensors(rng, drawn)))
+        knowledge = draw_knowledge(rng, aircraft, draw_assumptions(own, aircraft))
         in_band = int(rng.integers(2, 5))
         record = fly(rng, aircraft, in_band=in_band, rows=rows)
         return Flight(aircraft, knowledge, record, in_band)

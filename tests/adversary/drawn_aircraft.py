@@ -12,7 +12,11 @@ G = 9.80665
 
 @dataclass(frozen=True)
 class Sensor:
-    """A sensor at a point; ``lag`` is the natural frequency of its dynamics [rad/s], 0 for none."""
+    """A sensor at a point.
+
+    ``lag`` is the natural frequency of its dynamics [rad/s], 0 for none, ``delay`` [s] that of its
+    recording, which nobody knows.
+    """
 
     name: str
     kind: str  # gyro, attitude, vane, accelerometer, strain
@@ -21,6 +25,7 @@ class Sensor:
     gauge: tuple[float, str] | None = None
     lag: float = 0.0
     noise: float = 0.02  # of the rms of the signal
+    delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -66,14 +71,33 @@ class Aircraft:
 
 
 @dataclass(frozen=True)
+class Assumptions:
+    """What the analysts take from a structural model, a balance and an air data system.
+
+    ``shape_std`` is the standard deviation of mode shapes over their rms, which the modal table
+    ``states`` or not; ``shapes`` are the errors in units of it, by mode, sensor and component, the
+    last one of strain. The others are values over true ones; 2 % and 1 % wrong is what the priors
+    of the product are by default.
+    """
+
+    shape_std: float
+    states: bool
+    shapes: np.ndarray
+    mass: float
+    inertia: float
+    airspeed: float
+
+
+@dataclass(frozen=True)
 class Knowledge:
-    """What the analysts have: a modal table and a prediction, both wrong."""
+    """What the analysts have: a modal table and a prediction, both wrong, and assumptions."""
 
     numbers: tuple[int, ...]
     omega: np.ndarray
     zeta: np.ndarray
     table: np.ndarray
     fault: str
+    assumed: Assumptions
 
 
 def draw_shapes(rng: np.random.Generator, *, tail: bool) -> list[tuple[float, Shape]]:
@@ -193,7 +217,28 @@ def draw_sensors(rng: np.random.Generator, aircraft: Aircraft) -> tuple[Sensor, 
     )
 
 
-def draw_knowledge(rng: np.random.Generator, aircraft: Aircraft) -> Knowledge:
+def draw_delays(rng: np.random.Generator, aircraft: Aircraft) -> Aircraft:
+    """Record each kind of sensor 0 to 5 ms late, of one in three aircraft."""
+    if rng.random() > 1 / 3:
+        return aircraft
+    late = {
+        kind: float(rng.uniform(0.0, 0.005)) for kind in sorted({s.kind for s in aircraft.sensors})
+    }
+    sensors = tuple(replace(s, delay=late[s.kind]) for s in aircraft.sensors)
+    return replace(aircraft, sensors=sensors, traits=(*aircraft.traits, "late sensors"))
+
+
+def draw_assumptions(rng: np.random.Generator, aircraft: Aircraft) -> Assumptions:
+    """Draw mode shapes that are 2 to 20 % wrong, mass and inertia 2 %, airspeed 1 %."""
+    return Assumptions(
+        float(np.exp(rng.uniform(np.log(0.02), np.log(0.2)))),
+        bool(rng.random() < 0.5),
+        rng.normal(size=(len(aircraft.shapes), len(aircraft.sensors), 7)),
+        *(float(1 + std * rng.normal()) for std in (0.02, 0.02, 0.01)),
+    )
+
+
+def draw_knowledge(rng: np.random.Generator, aircraft: Aircraft, assumed: Assumptions) -> Knowledge:
     """Draw a modal table of five to eight modes and a prediction, wrong in one more way."""
     truth = aircraft.truth
     n = min(int(rng.integers(5, 9)), len(truth.numbers) - 1)
@@ -217,6 +262,7 @@ def draw_knowledge(rng: np.random.Generator, aircraft: Aircraft) -> Knowledge:
         known.zeta * np.clip(1 + 0.3 * rng.normal(size=n), 0.2, None),
         table,
         fault,
+        assumed,
     )
 
 

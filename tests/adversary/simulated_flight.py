@@ -167,6 +167,14 @@ def _simulate(
 
 def _measure(aircraft: Aircraft, outputs: np.ndarray, step: float) -> np.ndarray:
     """Pass the outputs through the dynamics of their sensors, by the trapezoidal rule."""
+    time = step * np.arange(len(outputs))
+    outputs = np.stack(
+        [
+            np.interp(time - sensor.delay, time, own) if sensor.delay else own
+            for sensor, own in zip(aircraft.sensors, outputs.T, strict=True)
+        ],
+        axis=1,
+    )
     lagged = [k for k, sensor in enumerate(aircraft.sensors) if sensor.lag]
     if not lagged:
         return outputs

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from campaign import draw_flight, go_through_doors
@@ -27,10 +28,13 @@ def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path, searched: tuple
         client = server.connect()
         outcome = go_through_doors(client, flight, searched)
         kept = [client.get(f"runs/{run['id']}") for run in client.get("runs")["items"]]
+        numbers = ",".join(str(run["id"]) for run in kept)
+        compared = client.get(f"comparisons?run_ids={numbers}")
     assert outcome.faults == ()
     assert {one.method for one in outcome.verdicts} == set(METHODS)
     assert {(run["method"], run["state"]) for run in kept} == {(m, "succeeded") for m in METHODS}
     assert compute_coverage(outcome.verdicts) >= LEAST_COVERAGE, format_table([outcome])
+    check_assumptions(kept, compared)
     assert [one.method for one in outcome.flutter] == list(METHODS)
     assert [one.method for one in outcome.searches] == list(searched)
     for one in outcome.searches:
@@ -39,6 +43,21 @@ def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path, searched: tuple
     for one in outcome.verdicts:
         trusted = one.outcome == "consistent"
         assert not trusted or compute_coverage([one]) >= TRUSTED_COVERAGE, one
+
+
+def check_assumptions(runs: list[dict[str, Any]], compared: dict[str, Any]) -> None:
+    """Compare says of which estimates one assumption has more than half of the variance."""
+    said = {(r["name"], one["key"]): one for r in compared["rows"] for one in r["values"] if one}
+    found = set()
+    for run in runs:
+        for one in run["parameters"]:
+            shares, cell = one["shares"], said[one["name"], f"run-{run['id']}"]
+            largest = max((cause for cause in shares if cause != "noise"), key=lambda c: shares[c])
+            assert (cell["rests_on"] is not None) == (shares[largest] > 0.5)
+            assert cell["repeatability"] == pytest.approx(one["std_error"] * shares["noise"] ** 0.5)
+            found.add(cell["rests_on"])
+    assert any(found)
+    assert all("that halves its error reduces σ by" in text for text in found if text)
 
 
 def test_a_flight_does_not_depend_on_others_of_its_seed(tmp_path: Path) -> None:

@@ -23,8 +23,8 @@ def write_files(
     _write_record(files[0], aircraft, record)
     _write_models(files[1], aircraft, knowledge)
     parts = (
-        _describe_aircraft(aircraft, record),
-        _describe_maneuver(aircraft, record),
+        _describe_aircraft(aircraft, knowledge, record),
+        _describe_maneuver(aircraft, knowledge, record),
         _describe_channels(aircraft, record),
         _describe_models(aircraft, knowledge),
     )
@@ -54,21 +54,26 @@ def _write_models(file: Path, aircraft: Aircraft, knowledge: Knowledge) -> None:
         "points": np.column_stack([_nodes(aircraft), _place(aircraft, points)])
     }
     shapes = aircraft.shapes[: len(knowledge.numbers)]
-    for number, shape in zip(knowledge.numbers, shapes, strict=True):
+    errors = knowledge.assumed.shape_std * knowledge.assumed.shapes[: len(shapes)]
+    for number, shape, error in zip(knowledge.numbers, shapes, errors, strict=True):
         motion = shape.at(aircraft.wing, points) * np.tile(turn, 2)
+        motion = motion + error[:, :6] * np.sqrt(np.mean(motion**2, axis=0))
         arrays[f"shape_{number}"] = np.column_stack([_nodes(aircraft), motion])
     arrays["frequency"] = knowledge.omega / (2 * np.pi)
     arrays["damping"] = knowledge.zeta
     arrays["mass"] = np.full(len(shapes), aircraft.generalized_mass)
     gauges = [sensor.gauge for sensor in aircraft.sensors if sensor.gauge]
     strains = [[one.strain(aircraft.wing, *gauge) for gauge in gauges] for one in shapes]
-    arrays["strain"] = 1e6 * np.array(strains)
+    gauged = [k for k, sensor in enumerate(aircraft.sensors) if sensor.gauge]
+    true = 1e6 * np.array(strains).reshape(len(shapes), -1)
+    size = np.sqrt(np.sum(true**2, axis=1, keepdims=True) / max(len(gauged), 1))
+    arrays["strain"] = true + size * errors[:, gauged, 6]
     arrays["derivatives"] = knowledge.table
     np.savez(file, **arrays)  # pyrefly: ignore[bad-argument-type]
 
 
-def _describe_aircraft(aircraft: Aircraft, record: Record) -> str:
-    wing = aircraft.wing
+def _describe_aircraft(aircraft: Aircraft, knowledge: Knowledge, record: Record) -> str:
+    wing, assumed = aircraft.wing, knowledge.assumed
     lagged = next((s.lag for s in aircraft.sensors if s.lag), 0.0)
     lines = [
         "[aircraft]", f'name = "{aircraft.name}"', 'pairs = ["symmetric"]',
@@ -76,8 +81,8 @@ def _describe_aircraft(aircraft: Aircraft, record: Record) -> str:
         f"geometry.chord = {_quantity(wing.chord, 'm')}",
         f"geometry.span = {_quantity(wing.span, 'm')}",
         "mass.fuel = [0]",
-        f"mass.mass = {_quantity(wing.mass, 'kg')}",
-        f"mass.pitch_inertia = {_quantity(wing.pitch_inertia, 'kg*m2')}",
+        f"mass.mass = {_quantity(assumed.mass * wing.mass, 'kg')}",
+        f"mass.pitch_inertia = {_quantity(assumed.inertia * wing.pitch_inertia, 'kg*m2')}",
         f"mass.x_cg = {_quantity(aircraft.x_cg, 'm')}",
     ]  # fmt: skip
     for name in aircraft.truth.inputs:
@@ -100,15 +105,15 @@ def _describe_aircraft(aircraft: Aircraft, record: Record) -> str:
     return "\n".join(lines)
 
 
-def _describe_maneuver(aircraft: Aircraft, record: Record) -> str:
-    multisine = record.multisine
+def _describe_maneuver(aircraft: Aircraft, knowledge: Knowledge, record: Record) -> str:
+    multisine, airspeed = record.multisine, knowledge.assumed.airspeed * aircraft.airspeed
     order = ", ".join(f'"{name}"' for name in aircraft.truth.inputs)
     return f"""[flight]
 number = 1
 [maneuver]
 label = "multisine"
 axis = "longitudinal"
-condition.airspeed = {_quantity(aircraft.airspeed, "m/s")}
+condition.airspeed = {_quantity(airspeed, "m/s")}
 condition.density = {_quantity(aircraft.density, "kg/m3")}
 condition.fuel_fraction = {{ value = 0, unit = "%" }}
 condition.alpha = {_quantity(aircraft.alpha, "rad")}
@@ -148,6 +153,8 @@ def _describe_models(aircraft: Aircraft, knowledge: Knowledge) -> str:
         if gauges
         else ""
     )
+    assumed = knowledge.assumed
+    stated = f"shape_std = {{ value = {assumed.shape_std:.6g} }}" if assumed.states else ""
     rows = ["CZ", "Cm", *(f"CQ{k}" for k in numbers)]
     columns = ["alpha", "q", *(f"eta{k}" for k in numbers), *(f"etadot{k}" for k in numbers)]
     columns += aircraft.truth.inputs
@@ -164,6 +171,7 @@ symmetric = [{", ".join(["true"] * len(numbers))}]
 frequency = {{ field = "frequency", unit = "Hz" }}
 damping = {{ field = "damping" }}
 mass = {{ field = "mass", unit = "kg*m2" }}
+{stated}
 {strain}
 [modal_tables.shape]
 field = "shape_{{number}}"

@@ -334,6 +334,28 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
     assert predict_flutter(exact, (25.0, 80.0)).modal_std == 0.0
 
 
+def test_an_error_of_a_damping_ratio_moves_flutter_by_what_the_interval_counts():
+    """As of a frequency: what was flown is the sum of structural and aerodynamic damping."""
+    aircraft = flex28(4)
+    c, modes = aircraft.condition, aircraft.modes
+    truth = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 1e-6)), (25.0, 80.0))
+    assert truth.crossing is not None
+    relative = np.array([0.02, 0.0, 0.0, 0.0])
+    zeta = modes.zeta * (1.0 + relative)
+    values = aircraft.derivatives.values.copy()
+    per_rate = c.dynamic_pressure * c.area * c.chord / modes.mass[0] * c.chord / (2.0 * c.airspeed)
+    values[2, 2 + 4] += 2.0 * modes.omega[0] * (zeta[0] - modes.zeta[0]) / per_rate
+    table = replace(aircraft.derivatives, values=values)
+    wrong = replace(aircraft, modes=replace(modes, zeta=zeta), derivatives=table)
+    error = StiffnessError(
+        np.zeros(4), c.dynamic_pressure, damping_std=relative, mass_flow=c.density * c.airspeed
+    )
+    found = predict_flutter(IdentifiedModes(wrong, everything(wrong, 1e-6), error), (25.0, 80.0))
+    assert found.crossing is not None
+    off = found.crossing.airspeed - truth.crossing.airspeed
+    assert found.modal_std == pytest.approx(abs(off), rel=0.02)
+
+
 @pytest.mark.parametrize("retained", [0, 2])
 @pytest.mark.parametrize("n_runs", [1, 2, 3])
 def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(

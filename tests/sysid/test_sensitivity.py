@@ -32,7 +32,8 @@ def line_model(make_case, request):
         parameters = case.free(tuple(EXTRA_VALUES), off=0.2)
         values = list(EXTRA_VALUES.values())
     else:
-        extras = list(EXTRA_VALUES)[:3]
+        structural = "omega_7", "zeta_9", "shape_az_cf_7"
+        extras = [name for name in EXTRA_VALUES if name not in structural]
         experiment = replace(experiment, edges_s=(0.7, 31.0), first_end=1)
         parameters = add_end_states(case.free(tuple(extras), off=0.2), [experiment])
         n_ends = len(list_end_state_names(parameters))

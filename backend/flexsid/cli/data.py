@@ -215,10 +215,11 @@ def _encode_parameters(store: Store, arguments: argparse.Namespace) -> bytes:
         raise FlexsidError(message, code="run-without-result")
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(("name", "value", "std_error", "start"))
+    table.writerow(("name", "value", "std_error", "start", "repeatability", "rests_on"))
     for one in run.result.parameters:
         name = escape_spreadsheet_cell(one.name)
-        table.writerow((name, one.value, one.std_error, one.start))
+        known = one.value, one.std_error, one.start, one.repeatability, one.rests_on
+        table.writerow((name, *known))
     return text.getvalue().encode()
 
 

@@ -184,7 +184,8 @@ def _format_table(run: EstimationRun) -> list[str]:
         if sigma is not None:
             percent = f"{100 * sigma / abs(parameter.value):.1f}" if parameter.value else "-"
             error = f"{sigma:>12.4g}{percent:>8}"
-        lines.append(f"{parameter.name:<16}{parameter.value:>12.5g}{error}")
+        rest = f"  {parameter.rests_on}" if parameter.rests_on else ""
+        lines.append(f"{parameter.name:<16}{parameter.value:>12.5g}{error}{rest}")
     lines += ["", "R²: " + ", ".join(f"{k} {v:.3f}" for k, v in fit.r_squared.items())]
     lines += ["", f"Model adequacy: {result.adequacy.state.value}. {result.adequacy.reason}"]
     if result.symmetry is not None:

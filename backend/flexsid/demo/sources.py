@@ -73,6 +73,7 @@ def build_modal_tables(
         arrays={
             "omega": save(modes.omega),
             "omega_std": save(_RESIDUAL * modes.omega),
+            "shape_std": save(np.zeros_like(modes.omega)),
             "mass": save(modes.mass),
             "shape": save(modes.shape),
             "strain": save(modes.strain),

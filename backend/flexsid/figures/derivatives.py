@@ -131,8 +131,9 @@ def _draw_source(
 
 
 def _describe(value: SourceValue) -> str:
-    """Describe the error, and the largest difference of a prediction from a run."""
+    """Describe the error with what it rests on, and the difference of a prediction from runs."""
     error = "" if value.std_error is None else f" (2σ = {N_SIGMA * value.std_error:.3g})"
+    error += "" if value.rests_on is None else f"<br>{value.rests_on}"
     if value.difference_sigma is None:
         return error
     return f"{error}, up to {value.difference_sigma:.1f}σ from the runs"

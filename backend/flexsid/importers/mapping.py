@@ -331,7 +331,7 @@ class ModalTableMapping(MappingTable):
     )
     damping_std: _Number | None = key("standard deviations of the damping ratios", None)
     shape_std: _Number | None = key(
-        "standard deviations of the shapes, relative to their rms", None
+        "standard deviations of the shapes, relative to their rms; 0 of exact ones", None
     )
     first: _Column = key("place of the first of these modes in a field", 1)
     shape: ShapeMapping | None = key("mode shapes", None)

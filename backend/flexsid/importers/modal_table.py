@@ -60,7 +60,11 @@ def extract_modes(part: ModalTableMapping, sources: Sources) -> dict[str, np.nda
 
 
 def _per_mode(quantity: Quantity, part: ModalTableMapping, sources: Sources) -> np.ndarray:
-    """Return positive numbers of every fuel weight and mode, (F, n), in SI."""
+    """Return positive numbers of every fuel weight and mode, (F, n), in SI.
+
+    Zero states that shapes are exact.
+    """
+    is_shape = quantity is part.shape_std
     n_fuel, n_modes = len(part.fuel), len(part.numbers)
     if quantity.field is None:
         values = np.asarray(quantity.numbers, dtype=np.float64)
@@ -70,7 +74,8 @@ def _per_mode(quantity: Quantity, part: ModalTableMapping, sources: Sources) -> 
         if part.first > 1 or any(row.size > n_modes for row in rows):
             rows = [row[part.first - 1 : part.first - 1 + n_modes] for row in rows]
     for values in rows:
-        if values.size != n_modes or not np.isfinite(values).all() or (values <= 0).any():
+        is_refused = (values < 0.0) if is_shape else (values <= 0.0)
+        if values.size != n_modes or not np.isfinite(values).all() or is_refused.any():
             raise refuse(
                 quantity.given, f"must give {n_modes} positive numbers, found {values.size}."
             )

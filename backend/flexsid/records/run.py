@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
-from math import hypot
+from math import hypot, sqrt
 from typing import Annotated
 
 from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
@@ -194,6 +194,15 @@ class VarianceShares:
     condition: float = 0.0
 
 
+_ASSUMPTIONS = {
+    "prediction": ("the prediction", "a better prediction"),
+    "mode_shapes": ("mode shapes", "a ground vibration test of the shapes"),
+    "modal_table": ("the modal table", "a ground vibration test of the frequencies"),
+    "mass": ("mass and inertia", "weighing and a swing test"),
+    "condition": ("airspeed and density", "an air data calibration"),
+}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterEstimate:
     """One estimated derivative or delay; ``no_error`` is the reason without ``std_error``.
@@ -218,6 +227,28 @@ class ParameterEstimate:
     def held_std(self) -> float:
         """Part of the standard error due to what the covariance of a run holds."""
         return hypot(self.modal_std or 0.0, self.condition_std or 0.0)
+
+    @property
+    def repeatability(self) -> float | None:
+        """Standard deviation of estimates from other flights; None where it is not known."""
+        if self.std_error is None or self.shares is None:
+            return None
+        return self.std_error * sqrt(self.shares.noise)
+
+    @property
+    def rests_on(self) -> str | None:
+        """Which assumption has more than half of the variance, and what a test of it is worth."""
+        if self.std_error is None or self.shares is None:
+            return None
+        for cause, (name, test) in _ASSUMPTIONS.items():
+            share: float = getattr(self.shares, cause)
+            if share > 0.5:
+                less = 1.0 - sqrt(1.0 - 0.75 * share)
+                return (
+                    f"{share:.0%} of the variance rests on {name}: {test} that halves its error "
+                    f"reduces σ by {less:.0%}"
+                )
+        return None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -390,7 +421,8 @@ class RunResult:
     the derivatives that were not free, at the values they were held at. ``adequacy`` are the
     tests for remaining model error, ``symmetry`` those for an asymmetry of the aircraft, of
     maneuvers that excite both axes. ``error_causes`` are the errors that other runs may share,
-    None of an earlier release.
+    None of an earlier release. ``shape_spread`` is the estimated standard deviation of mode shapes
+    over their root mean square, None where the modal table states it.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -405,6 +437,7 @@ class RunResult:
     adequacy: ModelAdequacy = ModelAdequacy()
     symmetry: ModelAdequacy | None = None
     error_causes: ErrorCauses | None = None
+    shape_spread: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -43,7 +43,8 @@ class SourceValue:
     """Value of a derivative by one source; ``std_error`` is None if unknown.
 
     ``modal_std`` is the part of it due to the modal table, ``condition_std`` that due to mass and
-    condition, None of a prediction.
+    condition, ``repeatability`` that due to noise, and ``rests_on`` the assumption that has more
+    than half of its variance; None of a prediction.
 
     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
     combined standard errors, and ``consistent`` whether that is within the limit; None of a run,
@@ -55,6 +56,8 @@ class SourceValue:
     std_error: float | None = None
     modal_std: float | None = None
     condition_std: float | None = None
+    repeatability: float | None = None
+    rests_on: str | None = None
     difference_sigma: float | None = None
     consistent: bool | None = None
 

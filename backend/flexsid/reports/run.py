@@ -258,11 +258,12 @@ def _tabulate_parameters(result: RunResult) -> ReportTable:
             else "–"
         )
         label = describe(one.name).label
-        rows.append((label, one.name, value, error, share, number(one.start)))
+        repeatability, rest = number(one.repeatability, 2), one.rests_on or ""
+        rows.append((label, one.name, value, error, share, repeatability, number(one.start), rest))
     return ReportTable(
-        ("", "name", "value", "σ", "σ [%]", "start"),
+        ("", "name", "value", "σ", "σ [%]", "repeatability", "start", ""),
         tuple(rows),
-        "Estimates and standard errors σ",
+        "Estimates and standard errors σ, with what more than half of a variance rests on",
         numbers_from=2,
     )
 

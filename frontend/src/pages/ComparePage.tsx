@@ -161,12 +161,19 @@ function ExportButton({ comparison }: { comparison: Comparison }) {
         const { sources, rows } = comparison;
         saveText(
           csv([
-            ["name", ...sources.flatMap((one) => [one.label, `${one.label} std_error`])],
+            [
+              "name",
+              ...sources.flatMap((one) =>
+                ["", " std_error", " repeatability", " rests_on"].map((of) => one.label + of),
+              ),
+            ],
             ...rows.map((row) => [
               row.name,
               ...sources.flatMap((_, index) => [
                 row.values[index]?.value,
                 row.values[index]?.std_error,
+                row.values[index]?.repeatability,
+                row.values[index]?.rests_on,
               ]),
             ]),
           ]),

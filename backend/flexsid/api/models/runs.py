@@ -247,6 +247,7 @@ class Run:
     blocks: list[RunBlock]
     residualized_prediction: dict[str, float] | None
     retained: RetainedModes | None
+    shape_spread: float | None
     error: JobError | None
     changed_since: tuple[str, ...] | None
     proposal: ProposalBasis | None = None
@@ -276,6 +277,7 @@ def build_run_response(store: Store, run: EstimationRun, *, repeated: bool = Fal
         prediction_id=run.prediction_id or (result and result.prediction_id),
         residualized_prediction=result and result.residualized_prediction,
         retained=result and result.retained,
+        shape_spread=result and result.shape_spread,
         error=run.error and JobError(**run.error),
         changed_since=None if run.rests_on is None else changed,
         template=_describe_template(store, run),

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.experiment import Experiment, Extra, Parameters
+from flexsid.sysid.estimation.experiment import SHAPE_ERRORS, Experiment, Extra, Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.rigid_body import ACCELERATION, RATE
@@ -24,7 +24,7 @@ from flexsid.sysid.model.rigid_body import ACCELERATION, RATE
 STATE = "state"
 """Kind of these parameters: ``output`` is the number of the end, ``mode`` that of the state."""
 
-_BESIDE = ("delay", "scale")  # kinds of parameters that change outputs only
+_BESIDE = ("delay", "scale", *SHAPE_ERRORS)  # kinds of parameters that change outputs only
 _QUASI_STATIC = 1.2  # of the highest frequency: modes above follow the forces without free motion
 
 
@@ -70,21 +70,26 @@ class FreeMotion:
 
     def sum(
         self, values: Float[np.ndarray, " n_ends"]
-    ) -> tuple[Complex[np.ndarray, "n_omega n_y"], Complex[np.ndarray, "n_omega n_x"]]:
-        """Compute outputs and variables of the forces for values of the end states."""
+    ) -> tuple[
+        Complex[np.ndarray, "n_omega n_y"],
+        Complex[np.ndarray, "n_omega n_x"],
+        Complex[np.ndarray, "n_omega n_modes"],
+    ]:
+        """Compute outputs, variables of the forces and modal accelerations for the end states."""
         n_r, n = len(self.impulse), self.direct.shape[1] - 1
         of_state = np.zeros((values.size, n_r + 1 + n))
         of_state[np.arange(values.size), self.place] = values
-        begun, later = np.split(self.phase @ of_state, [n_r], axis=1)
+        first, later = np.split(self.phase @ of_state, [n_r], axis=1)
         later = later / self.s[:, None]
-        begun = begun + later @ self.coupling.T
+        begun = first + later @ self.coupling.T
         forces = (begun @ self.impulse.T)[:, :, None]
         motion = (self.unit_motion @ forces)[:, :, 0]
         rates = self.s[:, None] * motion[:, n_r - n :]
         motion[:, n_r - n :] += later[:, 1:]
         outputs = (self.unit_outputs @ forces)[:, :, 0]
         outputs += self.instruments * (later @ self.direct.T - begun @ self.initial.T)
-        return outputs, np.concatenate([motion, rates], axis=1)
+        accelerations = self.s[:, None] * rates - first[:, n_r - n :]
+        return outputs, np.concatenate([motion, rates], axis=1), accelerations
 
     def expand_outputs(self) -> Complex[np.ndarray, "n_omega n_y n_ends"]:
         """Compute the outputs per unit of each end state."""

@@ -260,6 +260,47 @@ class Estimate:
             components=None if self.components is None else self.components.select(index),
         )
 
+    def append_held(
+        self,
+        names: Sequence[str],
+        std: Float[np.ndarray, " n"],
+        changes: Float[np.ndarray, "n_theta n"],
+    ) -> Estimate:
+        """Return the estimate with further nuisance parameters that were held at zero.
+
+        Parameters
+        ----------
+        names, std
+            The parameters, and the standard deviations of their independent true values.
+        changes
+            Change of every parameter with each of them, by its standard deviation.
+        """
+        through = np.concatenate([changes, np.diag(std)])
+        added = through @ through.T
+        zeros = np.zeros(len(names))
+
+        def widen(covariance: np.ndarray) -> np.ndarray:
+            total = added.copy()
+            total[: len(covariance), : len(covariance)] += covariance
+            return total
+
+        components = self.components
+        if components is not None:
+            rows = np.eye(len(self.names) + zeros.size)[:, : len(self.names)]
+            components = components.transform(rows)
+            about_zero = name_priors(names, dict.fromkeys(names, (0.0, 1.0)))
+            components = components.append_priors(about_zero, through)
+        return replace(
+            self,
+            names=(*self.names, *names),
+            values=np.append(self.values, zeros),
+            start=np.append(self.start, zeros),
+            covariance=widen(self.covariance),
+            corrected_covariance=widen(self.corrected_covariance),
+            nuisance=self.nuisance | frozenset(names),
+            components=components,
+        )
+
     def scale_covariance(self, factor: float) -> Estimate:
         """Return the estimate with variances multiplied, as for frequencies closer than 1/T."""
         return replace(

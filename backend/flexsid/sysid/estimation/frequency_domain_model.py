@@ -32,7 +32,7 @@ class ModelResponse:
     ``sensors`` are the outputs per motion; ``delayed`` the factor of delays and scale factors
     on each output, None without them. ``motion`` is the response to the inputs; the outputs
     include the ``free`` motion from end states, None without them, as do the variables of the
-    forces, by ``free_variables``.
+    forces, by ``free_variables``, and errors of mode shapes, by ``free_accelerations`` of modes.
     """
 
     motion: Complex[np.ndarray, "n_omega n_r"]
@@ -42,6 +42,7 @@ class ModelResponse:
     delayed: Complex[np.ndarray, "n_omega n_y"] | None
     free: FreeMotion | None = None
     free_variables: Complex[np.ndarray, "n_omega n_x"] | None = None
+    free_accelerations: Complex[np.ndarray, "n_omega n_modes"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,15 +141,17 @@ class FrequencyDomainModel:
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
         sensors = self._change_shapes(theta)
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
-        free = free_variables = None
+        free = free_variables = free_accelerations = None
         if self._ends:
             free = self._compute_free_motion(theta, unit_motion, np.matmul(sensors, unit_motion))
-            moved, free_variables = free.sum(theta[[k for k, _ in self._ends]])
+            ends = theta[[k for k, _ in self._ends]]
+            moved, free_variables, free_accelerations = free.sum(ends)
             outputs += moved
         delayed = self._compute_delay_factors(theta) if self._delays or self._scales else None
         if delayed is not None:
             outputs *= delayed
-        return ModelResponse(motion, outputs, unit_motion, sensors, delayed, free, free_variables)
+        of_ends = free, free_variables, free_accelerations
+        return ModelResponse(motion, outputs, unit_motion, sensors, delayed, *of_ends)
 
     def respond_to_inputs(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
@@ -177,7 +180,10 @@ class FrequencyDomainModel:
         table = self.parameters.table(theta)
         unit = (unit_motion, outputs, one.instruments)
         edges_s = dict(enumerate(one.edges_s, start=one.first_end))
-        return compute_free_motion(one.model, table, one.omega, edges_s, extras, *unit)
+        model = one.model
+        if self._shape_errors is not None:
+            model = self._shape_errors.apply(theta, model)
+        return compute_free_motion(model, table, one.omega, edges_s, extras, *unit)
 
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
@@ -297,7 +303,15 @@ class FrequencyDomainModel:
                 if response.delayed is not None:
                     row *= response.delayed[:, extra.output]
         if self._shape_errors is not None:
-            self._shape_errors.differentiate(response.motion, response.delayed, own)
+            motion = response.motion[:, self.n_rigid :]
+            levels = [motion, self.s[:, None] * motion, (self.s**2)[:, None] * motion]
+            if response.free_variables is not None and response.free_accelerations is not None:
+                n_r, n = response.motion.shape[1], motion.shape[1]
+                free = response.free_variables
+                levels[0] = levels[0] + free[:, n_r - n : n_r]
+                levels[1] += free[:, n_r:]
+                levels[2] += response.free_accelerations
+            self._shape_errors.differentiate(levels, response.delayed, own)
         return own
 
 

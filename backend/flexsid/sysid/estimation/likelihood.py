@@ -54,6 +54,9 @@ _DAMPING_AFTER_INITIAL_STEP = 1e-6  # after a Sanathanan-Koerner step: the optim
 _ALMOST_NONE = 1e-10  # damping against rounding alone
 _LARGEST_DAMPING = 1e9  # no step reduces the cost
 _CONVERGED_DAMPING = 1e-3  # above, small steps are due to damping and not convergence
+_LONG = 30  # iterations after which a fit need only be close: where products of parameters (of a
+# mode's motion and the errors of its shape) bend the cost, steps wander about the optimum
+_CLOSE = 0.1  # standard errors of any combination of parameters from the optimum, by the gradient
 _NEAR = 20  # standard errors: smaller steps count as near the optimum
 _ROUNDING = 1e-12  # relative increase of the cost that counts as rounding
 
@@ -203,6 +206,9 @@ class _Problem:
                 outcome = Outcome.CONVERGED if small else Outcome.DIVERGED
                 break
             trial, damping = found
+            # Of a quadratic cost: its reduction is half the square of the distance.
+            reduction = float(around.g @ (trial.theta - state.theta))
+            is_close = iteration > _LONG and 2.0 * reduction < _CLOSE**2
             trial, pace = self._extrapolate(state, trial, around.N, pace)
             size = compute_step_size(around.N, trial.theta - state.theta)
             state = trial
@@ -213,7 +219,8 @@ class _Problem:
                 outcome = Outcome.CANCELLED
                 break
             remaining = _predict_remaining(steps)
-            if remaining < self.settings.tolerance and damping <= _CONVERGED_DAMPING:
+            is_near = is_close or remaining < self.settings.tolerance
+            if is_near and damping <= _CONVERGED_DAMPING:
                 outcome = Outcome.CONVERGED
                 break
         return self._build_estimate(state, steps, outcome)

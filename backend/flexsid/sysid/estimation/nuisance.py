@@ -45,6 +45,9 @@ _FAR = 12.0 * np.sinh(np.linspace(-6.0, 6.0, 161)) / np.sinh(6.0)  # sizes about
 _SPREADS = np.geomspace(0.05, 1.0, 60)  # searched
 _QUANTILE = 0.84  # of the posterior of a spread, which few derivatives leave uncertain
 _SPREAD_PRIOR = 0.5  # standard deviation of the logarithm of a spread about PRIOR_SPREAD
+_FACTORS = np.geomspace(0.01, 5.0, 120)  # searched, on the spread of mode shapes in a fit
+_LEAST_INFORMATION = 0.01  # of the data over that of the prior
+_FACTOR_PRIOR = 1.0  # standard deviation of its logarithm: shapes are wrong by 3 to 30 %
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,6 +222,52 @@ def estimate_spread(estimate: Estimate, prior: NuisancePrior) -> float:
     return float(np.interp(_QUANTILE, posterior / posterior[-1], _SPREADS))
 
 
+def estimate_shape_spread(
+    estimate: Estimate, sizes: Mapping[str, float], present: float, assumed: float
+) -> float:
+    """Estimate the standard deviation of mode shapes relative to their root mean square.
+
+    Parameters
+    ----------
+    estimate
+        Fit with these errors and all other parameters.
+    sizes
+        Standard deviation of each error for a spread of one, by parameter.
+    present, assumed
+        Spread in the fit, and that about which its prior is.
+
+    Notes
+    -----
+    In units of their standard deviation in the fit the errors u have the posterior covariance
+    V = (L + I)^-1 with the information L of the data, all other parameters marginalised, and the
+    score g = V^-1 u of the data about zero is distributed as N(0, K + f^2 L^2), K = L for white
+    noise. K is taken from
+    the corrected covariance V (K + I) V, direction by direction of V; one that the data do not
+    determine has no part. Returned is the upper standard deviation of the posterior on a grid of
+    the factor f, as of the spread of predictions.
+    """
+    index = [k for k, name in enumerate(estimate.names) if name in sizes]
+    size = present * np.array([sizes[estimate.names[k]] for k in index])
+    pick, scale = np.ix_(index, index), np.outer(size, size)
+    white, corrected = (
+        one[pick] / scale for one in (estimate.covariance, estimate.corrected_covariance)
+    )
+    if not (np.isfinite(white).all() and np.isfinite(corrected).all()):
+        return present
+    variances, axes = np.linalg.eigh(white)
+    variances = np.clip(variances, np.finfo(float).tiny, 1.0)
+    information = 1.0 / variances - 1.0
+    along = axes.T @ (estimate.values[index] / size) / variances
+    sandwich = np.einsum("ij,ik,kj->j", axes, corrected, axes) / variances**2 - 1.0
+    noise = np.maximum(sandwich, information)
+    known = information > _LEAST_INFORMATION
+    total = noise[known] + _FACTORS[:, None] ** 2 * information[known] ** 2
+    log_likelihood = -0.5 * np.sum(np.log(total) + along[known] ** 2 / total, axis=1)
+    log_likelihood -= 0.5 * (np.log(_FACTORS * present / assumed) / _FACTOR_PRIOR) ** 2
+    posterior = np.cumsum(np.exp(log_likelihood - log_likelihood.max()))
+    return present * float(np.interp(_QUANTILE, posterior / posterior[-1], _FACTORS))
+
+
 def compute_prior_shares(
     estimate: Estimate, priors: Mapping[str, tuple[float, float]], overlap: float = 1.0
 ) -> Float[np.ndarray, "n_own n_prior"]:
@@ -270,9 +319,14 @@ class ShapeErrors:
         self._rows = np.array([row for row, _, _ in errors])
         self._index = np.array([k for _, k, _ in errors])
         self._outputs = np.array([e.output for _, _, e in errors])
-        self._motions = model.n_rigid + np.array([e.mode for _, _, e in errors])
-        units = {kind: _compute_unit_outputs(experiment, kind) for kind in SHAPE_ERRORS}
-        self._unit_outputs = np.stack([units[e.kind][:, e.output] for _, _, e in errors], axis=1)
+        self._modes = np.array([e.mode for _, _, e in errors])
+        self._motions = model.n_rigid + self._modes
+        kinds = {kind: _collect_shapes(model, kind) for kind in SHAPE_ERRORS}
+        largest = {k: np.abs(shapes).max(axis=1, initial=0.0) for k, (_, shapes) in kinds.items()}
+        self._powers = np.array([kinds[e.kind][0][e.output] for _, _, e in errors])
+        self._sizes = np.array([largest[e.kind][e.output] for _, _, e in errors])
+        self._per_motion = self._sizes * experiment.instruments[:, self._outputs]
+        self._s = (1j * experiment.omega[:, None]) ** (self._powers - POSITION)
 
     def add(
         self,
@@ -280,17 +334,29 @@ class ShapeErrors:
         sensors: Complex[np.ndarray, "n_omega n_y n_r"],
     ) -> None:
         """Add the errors to the outputs per motion, in place."""
-        change = self._unit_outputs * theta[self._index]
+        change = self._per_motion * self._s * theta[self._index]
         np.add.at(sensors.transpose(1, 2, 0), (self._outputs, self._motions), change.T)
+
+    def apply(
+        self, theta: Float[np.ndarray, " n_theta"], model: AeroelasticModel
+    ) -> AeroelasticModel:
+        """Return the model with the errors in its sensor equations."""
+        polynomial = model.sensors.polynomial.copy()
+        place = self._powers, self._outputs, self._motions
+        np.add.at(polynomial, place, self._sizes * theta[self._index])
+        return replace(model, sensors=replace(model.sensors, polynomial=polynomial))
 
     def differentiate(
         self,
-        motion: Complex[np.ndarray, "n_omega n_r"],
+        motion: Sequence[Complex[np.ndarray, "n_omega n_modes"]],
         delayed: Complex[np.ndarray, "n_omega n_y"] | None,
         own: Complex[np.ndarray, "n_own n_omega"],
     ) -> None:
-        """Write the sensitivities of the outputs to the errors into their rows."""
-        change = self._unit_outputs * motion[:, self._motions]
+        """Write the sensitivities of the outputs to the errors into their rows.
+
+        ``motion`` are the positions, rates and accelerations of the modes.
+        """
+        change = np.stack(motion)[self._powers - POSITION, :, self._modes].T * self._per_motion
         if delayed is not None:
             change *= delayed[:, self._outputs]
         own[self._rows] = change.T
@@ -324,14 +390,6 @@ def list_shape_errors(
                 if (error := std.get(number, 0.0) * own) > 0.0:
                     found[f"{kind}_{name}_{number}"] = error
     return found
-
-
-def _compute_unit_outputs(experiment: Experiment, kind: str) -> Complex[np.ndarray, "n_omega n_y"]:
-    """Compute the recorded outputs per unit of an error and of the motion of its mode."""
-    powers, shapes = _collect_shapes(experiment.model, kind)
-    largest = np.abs(shapes).max(axis=1, initial=0.0)
-    unit = (1j * experiment.omega[:, None]) ** (powers - POSITION)
-    return largest * unit * experiment.instruments
 
 
 def _collect_shapes(

@@ -26,18 +26,21 @@ _LARGEST_ERROR = 0.3  # of a frequency of a modal table, relative
 
 @dataclass(frozen=True, slots=True)
 class StiffnessError:
-    """Relative standard deviations of the frequencies in vacuo, in the order of the modes.
+    """Relative standard deviations of frequencies and damping in vacuo, in the order of the modes.
 
     ``pressure`` is the dynamic pressure that the derivatives were estimated at [Pa]; of fused
     runs that of each mode at which its error is independent of the derivatives, infinite where no
     derivative compensates it. ``slopes`` are the
     changes of estimated C_Qi_etai with the relative error of a frequency, where runs of the same
-    modal table are fused.
+    modal table are fused. ``damping_std`` is None where damping ratios are exact; density times
+    airspeed, of which aerodynamic damping is a multiple, was ``mass_flow`` [kg/m2 s].
     """
 
     relative_std: Float[np.ndarray, " n_modes"]
     pressure: float | Float[np.ndarray, " n_modes"]
     slopes: Float[np.ndarray, " n_modes"] | None = None
+    damping_std: Float[np.ndarray, " n_modes"] | None = None
+    mass_flow: float = np.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +239,7 @@ def _reduce_errors(
     compensated = found.gains != 0.0
     pressure[shared.modes] = np.inf
     pressure[shared.modes[compensated]] = products[compensated] / found.gains[compensated]
-    return StiffnessError(std, pressure)
+    return replace(stiffness, relative_std=std, pressure=pressure)
 
 
 def refuse_other_structures(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> None:
@@ -266,9 +269,12 @@ def _average_stiffness(parts: Sequence[IdentifiedModes]) -> StiffnessError | Non
     known = [part.stiffness for part in parts if part.stiffness is not None]
     if not known:
         return None
+    of_damping = [one.damping_std for one in known if one.damping_std is not None]
     return StiffnessError(
         np.mean([one.relative_std for one in known], axis=0),
         float(np.mean([np.mean(one.pressure) for one in known])),
+        damping_std=np.mean(of_damping, axis=0) if of_damping else None,
+        mass_flow=float(np.mean([one.mass_flow for one in known])),
     )
 
 

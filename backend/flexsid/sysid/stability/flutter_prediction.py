@@ -19,7 +19,7 @@ from flexsid.sysid.stability.flutter_extrapolation import (
 )
 from flexsid.sysid.stability.root_errors import (
     UncertainDerivatives,
-    compute_frequency_slopes,
+    compute_modal_slopes,
     estimate_crossing_error,
     estimate_root_bands,
 )
@@ -247,19 +247,31 @@ def _describe_crossing(crossing: FlutterCrossing, names: Mapping[str, str]) -> s
 
 
 def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float | None) -> float:
-    """Standard deviation of a crossing's airspeed from that of the modal frequencies. [m/s]
+    """Standard deviation of a crossing's airspeed from that of the modal table. [m/s]
 
     Notes
     -----
     At the dynamic pressure q_e flown, data determine the sum omega^2 - q_e S c C_Q_eta / m of
     Eq. 25: an estimated C_Q_eta compensates an error of omega^2 there, and 1 - q / q_e of it
-    remains at q. A C_Q_eta that was not estimated compensates nothing.
+    remains at q. A C_Q_eta that was not estimated compensates nothing. The sum of structural
+    and aerodynamic damping, 2 zeta omega - rho V S c^2 C_Q_etadot / 4 m, is known there as well: of
+    an error of zeta 1 - rho V / (rho V)_e remains.
     """
     if found.stiffness is None:
         return 0.0
-    change = _compute_stiffness_change(found, found.stiffness, crossing.airspeed, density)
-    slopes = compute_frequency_slopes(found.aircraft, crossing, density)
-    return float(np.sqrt(np.sum((slopes * change) ** 2)))
+    aircraft, stiffness = found.aircraft, found.stiffness
+    change = _compute_stiffness_change(found, stiffness, crossing.airspeed, density)
+    slopes, of_damping = compute_modal_slopes(aircraft, crossing, density)
+    variance = np.sum((slopes * change) ** 2)
+    if stiffness.damping_std is not None:
+        modes = aircraft.modes
+        air = aircraft.condition.density if density is None else density
+        n, first = modes.omega.size, aircraft.derivatives.body.size
+        own = np.array([(first + k, first + n + k) in found.places for k in range(n)])
+        left = 1.0 - np.where(own, air * crossing.airspeed / stiffness.mass_flow, 0.0)
+        change = 2.0 * modes.zeta * modes.omega * stiffness.damping_std * left
+        variance += np.sum((of_damping * change) ** 2)
+    return float(np.sqrt(variance))
 
 
 def _compute_stiffness_change(

@@ -216,28 +216,33 @@ def compute_damping_slopes(
     return compute_polar_slopes(modal.values[0, index], slopes)[1]
 
 
-def compute_frequency_slopes(
+def compute_modal_slopes(
     aircraft: Aeroelastic, crossing: FlutterCrossing, density: float | None = None
-) -> Float[np.ndarray, " n_modes"]:
-    """Change of a crossing's airspeed with the squared frequency of every mode. [m/s per rad2/s2]
+) -> tuple[Float[np.ndarray, " n_modes"], Float[np.ndarray, " n_modes"]]:
+    """Change of a crossing's airspeed with omega^2 and 2 zeta omega of every mode. [m/s per SI]
 
     Notes
     -----
     As ``estimate_crossing_error``: dV = -Re(lambda_k) / Re(lambda_V), with k = omega_i^2,
-    which enters the state matrix as -k where eta_i accelerates itself.
+    which enters the state matrix as -k where eta_i accelerates itself; 2 zeta omega does where
+    etadot_i, lambda eta_i, does.
     """
+    along = 1j * crossing.frequency
     if aircraft.shape is not None:
         there = _place_shaped_roots(aircraft, *_get_axis_root(crossing), density)
         none = np.zeros(0, dtype=int)
-        _, by_speed, by_stiffness = compute_shaped_slopes(there, aircraft, none, none)
-        return -np.real(by_stiffness[0]) / np.real(by_speed[0])
+        _, speeds, slopes = compute_shaped_slopes(there, aircraft, none, none)
+        by_speed, by_stiffness = complex(speeds[0]), slopes[0]
+        by_damping = along * by_stiffness
+        return -np.real(by_stiffness) / by_speed.real, -np.real(by_damping) / by_speed.real
     _, modal, root, by_speed = _decompose_crossing(aircraft, crossing, density)
     n = len(aircraft.modes.numbers)
     if not np.isfinite(by_speed) or not np.real(by_speed):
-        return np.full(n, np.nan)
+        return np.full(n, np.nan), np.full(n, np.nan)
     eta, etadot = modal.right[1, -2 * n :, root][:n], modal.left[1, -2 * n :, root][n:]
     by_stiffness = -etadot.conj() * eta
-    return -np.real(by_stiffness) / np.real(by_speed)
+    by_damping = along * by_stiffness
+    return -np.real(by_stiffness) / np.real(by_speed), -np.real(by_damping) / np.real(by_speed)
 
 
 def _get_axis_root(crossing: FlutterCrossing) -> tuple[np.ndarray, np.ndarray]:

@@ -200,8 +200,9 @@ def compute_shape_sizes(
     That of each component of translation and rotation over the points of the table, and of strain
     over the gauges; the coefficients of 1/s, 1, s and s2 are the roots of their sums of squares.
     """
-    translation, rotation = (
-        np.sqrt(np.mean(shape**2, axis=0)) for shape in (modes.translation, modes.rotation)
+    translation, rotation, strain = (
+        np.sqrt(np.sum(shape**2, axis=0) / max(len(shape), 1))
+        for shape in (modes.translation, modes.rotation, modes.strain)
     )
     empty = replace(
         modes,
@@ -209,7 +210,7 @@ def compute_shape_sizes(
         rotation=np.zeros_like(modes.rotation),
         strain=np.zeros_like(modes.strain),
     )
-    parts = [replace(empty, strain=empty.strain + np.sqrt(np.mean(modes.strain**2, axis=0)))]
+    parts = [replace(empty, strain=empty.strain + strain)]
     for component in range(3):
         for name, size in (("translation", translation), ("rotation", rotation)):
             shape = np.zeros_like(modes.translation)

@@ -272,6 +272,8 @@ def _build_run_column(
                 std_error=parameter.std_error,
                 modal_std=parameter.modal_std,
                 condition_std=parameter.condition_std,
+                repeatability=parameter.repeatability,
+                rests_on=parameter.rests_on,
             )
             for parameter in result.parameters
         },

@@ -13,7 +13,15 @@ from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign, ExpectedError
-from flexsid.records.run import AdequacyState, EstimationRun, Method, Pole, Progress, ReportProgress
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    ParameterEstimate,
+    Pole,
+    Progress,
+    ReportProgress,
+)
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.experiment import Parameters, select_parameters
@@ -154,8 +162,8 @@ class PredictionModel:
         return multisine.combine({part: terms for part, terms in moved.items() if terms})
 
     def compute_std_errors(self, information: FisherInformation) -> np.ndarray:
-        """Compute standard errors with those due to modal table, mass and condition."""
-        held = {row.name: row.held_std for row in get_result(self.run).parameters}
+        """Compute standard errors with those that no excitation reduces."""
+        held = {row.name: _compute_assumed_std(row) for row in get_result(self.run).parameters}
         return np.hypot(
             information.std_errors(), [held.get(name, 0.0) for name in information.names]
         )
@@ -193,8 +201,8 @@ def predict_accuracy(store: Store, query: DesignQuery, report: ReportProgress) -
     Standard errors are Cramer-Rao bounds. Model, condition and free parameters are the run's;
     surfaces respond to commands as recorded there, and the noise is that of its residuals.
     Amplitudes are in radians, and residuals not explained by the model are assumed not to grow
-    with them. Errors of modal table, mass and condition, which no excitation reduces, are those of
-    the run.
+    with them. Errors of mode shapes, modal table, mass and condition, which no excitation reduces,
+    are those of the run.
 
     Raises
     ------
@@ -315,7 +323,7 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     """
     run = _get_output_error_run(store, run_id)
     result = get_result(run)
-    task = prepare(store, run)
+    task = prepare(store, run).with_spreads(result.retained, result.shape_spread)
     data = task.maneuvers[0]
     found = build_identified_model(task.model, run)
     maneuver = store.maneuvers.get(run.maneuver_id)
@@ -341,7 +349,7 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     )
     retained = result.retained
     marginalised = () if retained is None else retained.parameters
-    priors = task.priors if retained is None else task.list_priors(retained.spread)
+    priors = task.list_priors()
     values = {row.name: row.value for row in (*result.parameters, *marginalised)}
     derivatives = [name for name in values if name in found.derivatives.named()]
     extras = [name for name in values if name not in derivatives]
@@ -379,15 +387,21 @@ def _compare_variances(run: EstimationRun, names: tuple[str, ...], bounds: np.nd
 
     A fit does not reach its bound: its weights are estimated from the record, and what feedback
     adds to the inputs is removed with an estimate of it. The same fit of another record has the
-    same loss. Errors of modal table, mass and condition are not part of it.
+    same loss. Errors of mode shapes, modal table, mass and condition are not part of it.
     """
     bound = dict(zip(names, bounds.tolist(), strict=True))
     ratios = [
-        (row.std_error**2 - row.held_std**2) / bound[row.name] ** 2
+        (row.std_error**2 - _compute_assumed_std(row) ** 2) / bound[row.name] ** 2
         for row in get_result(run).parameters
         if row.std_error is not None and row.name in bound and bound[row.name] > 0.0
     ]
     return max(float(np.median(ratios)), 1.0) if ratios else 1.0
+
+
+def _compute_assumed_std(row: ParameterEstimate) -> float:
+    """Compute the part of a standard error due to mode shapes and what the covariance holds."""
+    of_shapes = 0.0 if row.shares is None else row.shares.mode_shapes * (row.std_error or 0.0) ** 2
+    return float(np.hypot(row.held_std, np.sqrt(of_shapes)))
 
 
 def _find_surface_responses(

@@ -33,6 +33,7 @@ from flexsid.sysid.estimation.end_states import (
 )
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
+from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.weighted_fit import (
     compute_weighting_change,
     describe_common_noise,
@@ -61,11 +62,11 @@ from flexsid.workflow.fits.likelihood_fit import (
     compute_interpolation_bias,
     fit_without_feedback_noise,
     maximize_from_starts,
+    refit,
     refit_with_interpolation_correction,
     refit_with_leakage_correction,
-    refit_with_spread,
 )
-from flexsid.workflow.fits.model_adequacy import assess_model_adequacy
+from flexsid.workflow.fits.model_adequacy import assess_model_adequacy, build_record_experiments
 from flexsid.workflow.fits.named_cause import TestedFit, name_cause
 from flexsid.workflow.fits.run_warnings import (
     list_result_warnings,
@@ -107,10 +108,10 @@ class EstimatorFit:
 
     Attributes
     ----------
+    task
+        The task, with the spreads of its priors as they were estimated.
     parameters, estimate
         Free parameters of the model, and their estimate.
-    spread
-        Spread of the nuisance prior.
     start
         Description of the starting values.
     warnings
@@ -119,9 +120,9 @@ class EstimatorFit:
         Tests for remaining model error and for asymmetry.
     """
 
+    task: EstimationTask
     parameters: Parameters
     estimate: Estimate
-    spread: float
     start: str
     warnings: tuple[str, ...]
     adequacy: ModelAdequacy
@@ -189,25 +190,54 @@ def load_estimators() -> Mapping[str, Estimator]:
 def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFit:
     """Estimate by equation error."""
     report(Progress(message="Reconstructing motion from the sensors"))
-    parameters = select_free_parameters(task, get_first_start(task), task.extras)
-    fit = fit_equation_error(task, parameters, task.spread)
+    parameters = select_free_parameters(task, get_first_start(task), ())
+    fit = fit_equation_error(task, parameters)
 
-    def refit(estimate: Estimate, spread: float) -> Estimate:
+    def fit_again(task: EstimationTask, estimate: Estimate) -> Estimate:
         nonlocal fit
-        message = f"Reconstructing motion with a prior spread of {spread:.2g}"
+        message = f"Reconstructing motion with a prior spread of {task.spread:.2g}"
         report(Progress(message=message))
-        fit = fit_equation_error(task, replace(parameters, start=estimate.values), spread)
+        fit = fit_equation_error(task, replace(parameters, start=estimate.values))
         return replace(fit.estimate, start=parameters.start)
 
-    spread, estimate = refit_until_consistent(task, fit.estimate, refit)
+    task, estimate = refit_until_consistent(task, fit.estimate, fit_again)
     start = "none needed"
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
     estimate = apply_priors(estimate, task.priors)
-    adequacy, symmetry = assess_model_adequacy(
-        task, (), parameters, estimate, spread, replace(parameters, start=estimate.values)
-    )
-    return EstimatorFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
+    task, parameters, estimate = _include_shape_errors(task, parameters, estimate)
+    first = replace(parameters, start=estimate.values)
+    adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, first)
+    return EstimatorFit(task, parameters, estimate, start, fit.warnings, adequacy, symmetry)
+
+
+def _include_shape_errors(
+    task: EstimationTask, parameters: Parameters, estimate: Estimate
+) -> tuple[EstimationTask, Parameters, Estimate]:
+    """Include the errors of mode shapes, which equation error holds at zero, in its estimate.
+
+    Their spread is that of output error with free shapes, from the estimate. Held, errors e change
+    the other parameters by -N_tt^-1 N_te e = C_te C_ee^-1 e to first order, with its information N
+    and covariance C = N^-1 at the estimate, where weights are from residuals that e adds to: so are
+    those of equation error.
+    """
+    without = replace(task, shape_errors={})
+    if not (task.shape_errors and estimate.outcome.is_optimum):
+        return without, parameters, estimate
+    names = tuple(task.shape_errors)
+    free = select_free_parameters(task, parameters.table(estimate.values), names)
+    experiments = build_record_experiments(task, parameters, estimate)
+    settings = build_fit_settings(task)
+    held = maximize(experiments, free, replace(settings, max_iterations=0)).covariance
+    found = maximize(experiments, free, settings)
+    if not found.outcome.is_optimum:
+        return without, parameters, estimate
+    spread = task.estimate_spreads(found, task.shape_spread).shape_spread
+    task = task.with_spreads(None, spread)
+    std = np.array([task.list_priors()[name][1] for name in names])
+    first = len(estimate.names)
+    changes = np.linalg.solve(held[first:, first:], held[first:, :first]).T * std
+    return task, free, estimate.append_held(names, std, changes)
 
 
 def fit_likelihood(
@@ -238,17 +268,15 @@ def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Paramete
 
 
 def _complete_corrected_fit(fit: CorrectedFit, first: Parameters) -> EstimatorFit:
-    task, parameters, estimate, spread = fit.task, fit.parameters, fit.estimate, fit.spread
-    warnings = _list_method_warnings(task, fit.experiments, parameters, estimate, spread)
-    adequacy, symmetry = assess_model_adequacy(
-        task, fit.experiments, parameters, estimate, spread, first
-    )
+    task, parameters, estimate = fit.task, fit.parameters, fit.estimate
+    warnings = _list_method_warnings(task, fit.experiments, parameters, estimate)
+    adequacy, symmetry = assess_model_adequacy(task, fit.experiments, parameters, estimate, first)
     if estimate.noise is not None and not estimate.noise.converged:
         reason = _BIASED.format(change="did not converge", **_TURBULENCE)
         warnings = (*warnings, reason)
         if adequacy.state is not AdequacyState.SUSPECT:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
-    return EstimatorFit(parameters, estimate, spread, fit.start, warnings, adequacy, symmetry)
+    return EstimatorFit(task, parameters, estimate, fit.start, warnings, adequacy, symmetry)
 
 
 def complete_likelihood_fit(
@@ -262,20 +290,20 @@ def complete_likelihood_fit(
 ) -> EstimatorFit:
     """Complete a fit of output error or frequency-response error from its optimum.
 
-    The spread of the nuisance prior, leakage, weights from the noise spectrum, and the tests for
+    The spreads of the priors, leakage, weights from the noise spectrum, and the tests for
     remaining model error, at the start ``first`` where there is no optimum.
     """
 
-    def refit(estimate: Estimate, spread: float) -> Estimate:
-        return refit_with_spread(task, experiments, parameters, estimate, spread, report)
+    def fit_again(task: EstimationTask, estimate: Estimate) -> Estimate:
+        return refit(task, experiments, parameters, estimate, report)
 
-    spread, estimate = refit_until_consistent(task, estimate, refit)
+    task, estimate = refit_until_consistent(task, estimate, fit_again)
     correct = refit_with_leakage_correction
     if task.method is Method.FRE:
         correct = refit_with_interpolation_correction
-    corrected, estimate = correct(task, experiments, parameters, estimate, report, spread)
-    warnings = _list_method_warnings(task, corrected, parameters, estimate, spread)
-    settings = build_fit_settings(task, spread)
+    corrected, estimate = correct(task, experiments, parameters, estimate, report)
+    warnings = _list_method_warnings(task, corrected, parameters, estimate)
+    settings = build_fit_settings(task)
     n_iterations = estimate.steps[-1].iteration
 
     def report_noise_spectrum(number: int) -> None:
@@ -287,7 +315,7 @@ def complete_likelihood_fit(
     weighted = weight_by_noise_spectrum(
         corrected, parameters, estimate, settings, report_noise_spectrum
     )
-    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread, first)
+    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, first)
     noise, values = weighted.noise, weighted.values
     change = compute_weighting_change(estimate, weighted) if values is not estimate.values else 0.0
     is_suspect = adequacy.state is AdequacyState.SUSPECT
@@ -295,9 +323,7 @@ def complete_likelihood_fit(
         # Residuals that are model error are no noise: weighted with them, a fit follows the
         # frequencies and outputs where the model is least wrong.
         weighted = replace(estimate, noise=describe_common_noise(corrected, settings))
-        again, of_symmetry = assess_model_adequacy(
-            task, corrected, parameters, weighted, spread, first
-        )
+        again, of_symmetry = assess_model_adequacy(task, corrected, parameters, weighted, first)
         if again.state is AdequacyState.SUSPECT:  # the sizes stated are about these values
             adequacy, symmetry = again, of_symmetry
     converged = noise is None or noise.converged
@@ -311,7 +337,7 @@ def complete_likelihood_fit(
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
     parameters = drop_end_states(parameters)
     weighted = weighted.select(parameters.names)
-    return EstimatorFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
+    return EstimatorFit(task, parameters, weighted, start, warnings, adequacy, symmetry)
 
 
 def _list_method_warnings(
@@ -319,11 +345,10 @@ def _list_method_warnings(
     experiments: list[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    spread: float,
 ) -> tuple[str, ...]:
     """List the warnings of output error or frequency-response error alone."""
     if task.method is Method.OE:
-        priors = task.list_priors(spread)
+        priors = task.list_priors()
         return tuple(_warn_of_input_noise(task, experiments, parameters, estimate, priors))
     if task.method is not Method.FRE:
         return ()
@@ -376,7 +401,8 @@ class ComputedRun:
     than their standard errors, which have none. ``versions`` is the software of the worker.
     ``modal_std`` are the standard deviations due to the modal table, ``condition_std`` those due
     to mass, inertia, airspeed and density, which the covariance does not include; ``shares`` those
-    of the variances by their causes.
+    of the variances by their causes. ``shape_spread`` is that of mode shapes, None where it was not
+    estimated.
     """
 
     estimate: Estimate
@@ -394,6 +420,7 @@ class ComputedRun:
     modal_std: dict[str, float]
     condition_std: dict[str, float]
     shares: dict[str, VarianceShares]
+    shape_spread: float | None = None
     at_limit: tuple[str, ...] = ()
     moved: frozenset[str] = frozenset()
     retained: ComputedRetainedModes | None = None
@@ -421,7 +448,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     moved: frozenset[str] = frozenset()
     if fit.adequacy.state is not AdequacyState.CONSISTENT and not estimator.package:
         fit, moved = _name_cause(estimator, task, fit, report)
-    parameters, estimate, spread = fit.parameters, fit.estimate, fit.spread
+    task, parameters, estimate = fit.task, fit.parameters, fit.estimate
     overlap = max(maneuver.measured.resolution_overlap for maneuver in task.maneuvers)
     estimate = estimate.scale_covariance(overlap)
     at_limit = find_parameters_at_limits(parameters, estimate.values)
@@ -437,11 +464,11 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         *warn_of_moved_poles(select_moved_poles(task, poles), task.max_omega),
     ]
     table = parameters.table(estimate.values).named()
-    condition_std, shares = compute_variance_budget(task, parameters, estimate, spread, overlap)
-    retained = marginalise(task, estimate, spread, shares)
+    condition_std, shares = compute_variance_budget(task, parameters, estimate, overlap)
+    retained = marginalise(task, estimate, shares)
     limited = {name for name, out in zip(estimate.names, at_limit, strict=True) if out}
     if retained is not None:
-        warnings += warn_of_poor_prediction(spread)
+        warnings += warn_of_poor_prediction(task.spread)
         of_retained = set(task.mode_names[len(task.structure.modes) :])
         poles = tuple(pole for pole in poles if pole.name not in of_retained)
     estimate = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
@@ -472,6 +499,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         modal_std=task.modal_std,
         condition_std=condition_std,
         shares=shares,
+        shape_spread=task.shape_spread if task.assumed.intersection(task.extras) else None,
     )
 
 

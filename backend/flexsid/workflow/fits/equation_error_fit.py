@@ -16,7 +16,6 @@ from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Parameters
 from flexsid.sysid.estimation.flight_noise import AssignedCommands
 from flexsid.sysid.estimation.leakage import add_errors, fit_free_motion
 from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.estimation.starting_values import estimate_delays, regress_parts
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -46,20 +45,19 @@ class EquationErrorFit:
     warnings: tuple[str, ...]
 
 
-def fit_equation_error(
-    task: EstimationTask, parameters: Parameters, spread: float = PRIOR_SPREAD
-) -> EquationErrorFit:
-    """Estimate all maneuvers by equation error, retained modes with a prior of this spread.
+def fit_equation_error(task: EstimationTask, parameters: Parameters) -> EquationErrorFit:
+    """Estimate all maneuvers by equation error.
 
     From records without an assumption about their ends the free motion from the states there is
     subtracted before, which output error estimates from these values; its errors are included.
     """
     free = [data.measured.free_ends for data in task.maneuvers]
     if not any(free):
-        return fit_whole_maneuvers(task, parameters, spread)
+        return fit_whole_maneuvers(task, parameters)
     experiments = [one for one in build_experiments(task, Method.OE) if one.free_ends]
     started = replace(parameters, start=estimate_starting_values(task, parameters))
-    motion = fit_free_motion(experiments, started, build_fit_settings(task, spread))
+    settings = build_fit_settings(replace(task, shape_errors={}))
+    motion = fit_free_motion(experiments, started, settings)
 
     def fit_without(
         outputs: Iterable[np.ndarray], parameters: Parameters = started
@@ -69,7 +67,7 @@ def fit_equation_error(
             _subtract_outputs(one, next(each)) if is_free else one
             for one, is_free in zip(task.maneuvers, free, strict=True)
         )
-        return fit_whole_maneuvers(replace(task, corrected=data), parameters, spread)
+        return fit_whole_maneuvers(replace(task, corrected=data), parameters)
 
     found = fit_without(motion.outputs)
     estimate = found.estimate
@@ -102,9 +100,7 @@ def _subtract_outputs(data: ManeuverData, outputs: np.ndarray) -> ManeuverData:
     return replace(data, measured=measured)
 
 
-def fit_whole_maneuvers(
-    task: EstimationTask, parameters: Parameters, spread: float = PRIOR_SPREAD
-) -> EquationErrorFit:
+def fit_whole_maneuvers(task: EstimationTask, parameters: Parameters) -> EquationErrorFit:
     """Estimate all maneuvers by equation error as if they began and ended at rest."""
     labels = [data.label for data in task.maneuvers]
     estimates, warnings = [], []
@@ -130,7 +126,7 @@ def fit_whole_maneuvers(
     # Every maneuver has its share of the prior, so that the fused estimate has all of it.
     priors = {
         name: (mean, std * np.sqrt(len(task.maneuvers)))
-        for name, (mean, std) in task.nuisance.list_priors(task.nuisance_names, spread).items()
+        for name, (mean, std) in task.nuisance.list_priors(task.nuisance_names, task.spread).items()
     }
     for data in task.maneuvers:
         spectra = data.measured

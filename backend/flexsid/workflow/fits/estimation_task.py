@@ -18,13 +18,24 @@ from jaxtyping import Float
 
 from flexsid import __version__
 from flexsid.records.decision import Structure
-from flexsid.records.run import Method, Provenance, RunSettings, VarianceShares
+from flexsid.records.run import (
+    Method,
+    Provenance,
+    RetainedModes,
+    RunSettings,
+    VarianceShares,
+)
 from flexsid.sysid.estimation.end_states import number_ends
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import FitSettings
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, NuisancePrior, estimate_spread
+from flexsid.sysid.estimation.nuisance import (
+    PRIOR_SPREAD,
+    NuisancePrior,
+    estimate_shape_spread,
+    estimate_spread,
+)
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
@@ -178,9 +189,10 @@ class EstimationTask:
     retained modes, which follow those of the model structure in every model. ``modal_std`` are
     the standard deviations of derivatives due to the modal table, which the data do not reduce.
     ``corrected`` are the data of the maneuvers in place of those of their transforms, if any;
-    ``spread`` is that of the nuisance prior with which the fit starts. ``shape_errors`` are the
-    standard deviations of the errors of mode shapes at the outputs, by parameter; ``drifts`` say
-    where the condition of a maneuver is not one.
+    ``spread`` is that of the nuisance prior. ``shape_errors`` are the standard deviations of the
+    errors of mode shapes at the outputs, by parameter; those of ``assumed`` shapes, of which the
+    modal table states none, are multiplied by ``shape_spread``. A fit estimates both spreads.
+    ``drifts`` say where the condition of a maneuver is not one.
     """
 
     method: Method
@@ -202,6 +214,35 @@ class EstimationTask:
     spread: float = PRIOR_SPREAD
     shape_errors: Mapping[str, float] = field(default_factory=dict[str, float])
     drifts: tuple[str, ...] = ()
+    assumed: frozenset[str] = frozenset()
+    shape_spread: float = 1.0
+
+    def with_spreads(
+        self,
+        retained: ComputedRetainedModes | RetainedModes | None,
+        shape_spread: float | None,
+    ) -> EstimationTask:
+        """Return the task with the spreads of a fit, as far as it has them."""
+        spread = self.spread if retained is None else retained.spread
+        return self._change(spread, self.shape_spread if shape_spread is None else shape_spread)
+
+    def estimate_spreads(self, estimate: Estimate, assumed: float) -> EstimationTask:
+        """Return the task with the spreads that an estimate shows, of shapes about the assumed."""
+        spread, of_shapes = self.spread, self.shape_spread
+        if self.nuisance is not None:
+            passing = estimate.nuisance.difference(self.nuisance_names)  # states at ends of records
+            own = estimate.select([name for name in estimate.names if name not in passing])
+            spread = estimate_spread(own, self.nuisance)
+        sizes = {n: std for n, std in self.shape_errors.items() if n in self.assumed}
+        if sizes and sizes.keys() <= set(estimate.names):
+            of_shapes = estimate_shape_spread(estimate, sizes, of_shapes, assumed)
+        return self._change(spread, of_shapes)
+
+    def _change(self, spread: float, shape_spread: float) -> EstimationTask:
+        found = replace(self, spread=spread, shape_spread=shape_spread)
+        if known := self.__dict__.get("maneuvers"):  # transformed once
+            found.__dict__["maneuvers"] = known
+        return found
 
     @property
     def retained(self) -> tuple[int, ...]:
@@ -219,13 +260,15 @@ class EstimationTask:
         """Names of all parameters that are no results: with errors of mode shapes."""
         return frozenset((*self.nuisance_names, *self.shape_errors))
 
-    def list_priors(self, spread: float) -> dict[str, tuple[float, float]]:
+    def list_priors(self) -> dict[str, tuple[float, float]]:
         """Return the priors of the analyst, and those of the parameters that are no results."""
-        free = set(self.extras)
-        of_shapes = {name: (0.0, std) for name, std in self.shape_errors.items() if name in free}
+        of_shapes = {
+            name: (0.0, std * (self.shape_spread if name in self.assumed else 1.0))
+            for name, std in self.shape_errors.items()
+        }
         if self.nuisance is None:
             return of_shapes | self.priors
-        of_modes = self.nuisance.list_priors(self.nuisance_names, spread)
+        of_modes = self.nuisance.list_priors(self.nuisance_names, self.spread)
         return of_modes | of_shapes | self.priors
 
     @property
@@ -253,12 +296,12 @@ class EstimationTask:
     def extras(self) -> tuple[str, ...]:
         """Names of free parameters that are no derivatives.
 
-        Equation error holds the delays and the mode shapes.
+        Equation error holds delays; it estimates derivatives alone, and includes errors of mode
+        shapes in the errors of its result.
         """
-        is_likelihood = self.method is not Method.EE
-        delays = self.model.outputs if self.structure.free_delays and is_likelihood else ()
-        shapes = self.shape_errors if is_likelihood else ()
-        named = (*(f"delay_{name}" for name in delays), *self.structure.extra_parameters, *shapes)
+        free_delays = self.structure.free_delays and self.method is not Method.EE
+        delays = [f"delay_{name}" for name in self.model.outputs] if free_delays else []
+        named = (*delays, *self.structure.extra_parameters, *self.shape_errors)
         return tuple(dict.fromkeys(named))
 
 
@@ -343,20 +386,20 @@ def build_experiments(task: EstimationTask, method: Method | None = None) -> lis
     return number_ends(result)
 
 
-def build_fit_settings(task: EstimationTask, spread: float | None = None) -> FitSettings:
-    """Build the settings of the likelihood maximisation of a task, by default with its spread."""
+def build_fit_settings(task: EstimationTask) -> FitSettings:
+    """Build the settings of the likelihood maximisation of a task."""
     settings = task.settings
     return FitSettings(
         max_iterations=settings.max_iterations,
         noise=settings.noise,
-        priors=task.list_priors(task.spread if spread is None else spread),
+        priors=task.list_priors(),
     )
 
 
-# --- Nuisance parameters of an estimation: the spread of their prior, and their marginalisation
+# --- Nuisance parameters of an estimation: the spreads of their priors, and their marginalisation
 
 _SPREAD_ROUNDS = 3
-_SPREAD_CONVERGED = 0.1  # relative change of the spread of the nuisance prior
+_SPREAD_CONVERGED = 0.1  # relative change of the spread of a prior
 
 
 @dataclass(frozen=True, slots=True)
@@ -371,42 +414,40 @@ class ComputedRetainedModes:
 
 
 def refit_until_consistent(
-    task: EstimationTask, estimate: Estimate, refit: Callable[[Estimate, float], Estimate]
-) -> tuple[float, Estimate]:
-    """Estimate the spread of the nuisance prior and fit again, until it is consistent.
+    task: EstimationTask,
+    estimate: Estimate,
+    refit: Callable[[EstimationTask, Estimate], Estimate],
+) -> tuple[EstimationTask, Estimate]:
+    """Estimate the spreads of the priors and fit again, until they are consistent.
 
     Parameters
     ----------
     task, estimate
-        Task, and its estimate with the spread that it starts with.
+        Task, and its estimate with the spreads that it starts with.
     refit
-        Fits again, from an estimate, with a spread.
+        Fits again, from an estimate, a task with other spreads.
 
     Returns
     -------
-    spread, estimate
-        That of the task and the estimate unchanged where it has no nuisance parameters.
+    task, estimate
+        With the spreads that were estimated; unchanged where there are no nuisance parameters.
     """
-    spread = task.spread
-    if task.nuisance is None:
-        return spread, estimate
+    if task.nuisance is None and not task.assumed:
+        return task, estimate
+    assumed = task.shape_spread
     for _ in range(_SPREAD_ROUNDS):
         if not estimate.outcome.is_optimum:
             break
-        passing = estimate.nuisance.difference(task.nuisance_names)  # states at ends of records
-        own = estimate.select([name for name in estimate.names if name not in passing])
-        spread, before = estimate_spread(own, task.nuisance), spread
-        if abs(np.log(spread / before)) < _SPREAD_CONVERGED:
+        task, before = task.estimate_spreads(estimate, assumed), task
+        ratios = task.spread / before.spread, task.shape_spread / before.shape_spread
+        if np.abs(np.log(ratios)).max() < _SPREAD_CONVERGED:
             break
-        estimate = refit(estimate, spread)
-    return spread, estimate
+        estimate = refit(task, estimate)
+    return task, estimate
 
 
 def marginalise(
-    task: EstimationTask,
-    estimate: Estimate,
-    spread: float,
-    shares: Mapping[str, VarianceShares],
+    task: EstimationTask, estimate: Estimate, shares: Mapping[str, VarianceShares]
 ) -> ComputedRetainedModes | None:
     """Return the retained modes with the estimate of all parameters; None without them.
 
@@ -415,7 +456,7 @@ def marginalise(
     if task.nuisance is None:
         return None
     reported = [name for name in estimate.names if name not in estimate.nuisance]
-    priors = task.list_priors(spread)
+    priors = task.list_priors()
     share = {name: one.noise for name, one in shares.items()}
     estimate = estimate.select([*reported, *task.nuisance_names])
-    return ComputedRetainedModes(task.retained, spread, estimate, priors, share)
+    return ComputedRetainedModes(task.retained, task.spread, estimate, priors, share)

@@ -183,15 +183,14 @@ def _select_best(
     return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
 
 
-def refit_with_spread(
+def refit(
     task: EstimationTask,
     experiments: list[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    spread: float,
     report: ReportProgress,
 ) -> Estimate:
-    """Fit again from an estimate with another spread of the nuisance prior.
+    """Fit again from an estimate, with other data or other spreads of the priors.
 
     Raises
     ------
@@ -206,14 +205,14 @@ def refit_with_spread(
                 iteration=begun + iteration,
                 cost=cost,
                 fraction=_PROGRESS_BEFORE_REFITS,
-                message=f"Iteration {begun + iteration} with a prior spread of {spread:.2g}",
+                message=f"Iteration {begun + iteration} with a prior spread of {task.spread:.2g}",
             )
         )
 
     again = maximize(
         experiments,
         replace(parameters, start=estimate.values),
-        build_fit_settings(task, spread),
+        build_fit_settings(task),
         report_iteration,
     )
     if again.outcome is Outcome.CANCELLED:
@@ -227,7 +226,6 @@ def refit_with_leakage_correction(
     parameters: Parameters,
     estimate: Estimate,
     report: ReportProgress,
-    spread: float,
 ) -> tuple[list[Experiment], Estimate]:
     """Correct for leakage and fit again until both converge.
 
@@ -246,7 +244,7 @@ def refit_with_leakage_correction(
         )
 
     corrected, again = correct_leakage(
-        experiments, parameters, estimate, build_fit_settings(task, spread), report_iteration
+        experiments, parameters, estimate, build_fit_settings(task), report_iteration
     )
     if again.outcome is Outcome.CANCELLED:
         raise Cancelled(again.message)
@@ -259,7 +257,6 @@ def refit_with_interpolation_correction(
     parameters: Parameters,
     estimate: Estimate,
     report: ReportProgress,
-    spread: float,
 ) -> tuple[list[Experiment], Estimate]:
     """Subtract the errors by interpolation and fit again, until both converge.
 
@@ -284,7 +281,7 @@ def refit_with_interpolation_correction(
         if not bias > _SMALL_BIAS:
             break
         corrected = correct_interpolation(task, experiments, parameters, found.values)
-        found = refit_with_spread(task, corrected, parameters, found, spread, report)
+        found = refit(task, corrected, parameters, found, report)
     return corrected, found
 
 
@@ -300,7 +297,6 @@ class CorrectedFit:
     noise: tuple[NoiseSpectrum, ...]
     parameters: Parameters
     estimate: Estimate
-    spread: float
     start: str
 
 
@@ -336,31 +332,31 @@ def fit_without_feedback_noise(
     if candidates is None:
         candidates = collect_starting_points(task, report)
 
-    def remove(parameters: Parameters, spread: float) -> CorrectedInputs | None:
+    def remove(task: EstimationTask, parameters: Parameters) -> CorrectedInputs | None:
         def report_iteration(number: int) -> None:
             report(Progress(message=f"Errors in variables, iteration {number}"))
 
-        settings = build_fit_settings(task, spread)
+        settings = build_fit_settings(task)
         return remove_feedback_noise(experiments, noise, parameters, settings, report_iteration)
 
-    tried = ((name, one, remove(one, task.spread)) for name, one in candidates.items())
+    tried = ((name, one, remove(task, one)) for name, one in candidates.items())
     start, parameters, found = next(
         (each for each in tried if each[2] is not None), ("", None, None)
     )
     if parameters is None or found is None or not found.is_significant:
         return None
 
-    def refit(estimate: Estimate, spread: float) -> Estimate:
+    def correct_again(task: EstimationTask, estimate: Estimate) -> Estimate:
         nonlocal found
-        again = remove(replace(parameters, start=estimate.values), spread)
+        again = remove(task, replace(parameters, start=estimate.values))
         if again is None:
             return estimate
         found = again
-        return _fit_corrected(task, found, parameters, spread).estimate
+        return _fit_corrected(task, found, parameters).estimate
 
-    estimate = _fit_corrected(task, found, parameters, task.spread).estimate
-    spread, _ = refit_until_consistent(task, estimate, refit)
-    fit = _fit_corrected(task, found, parameters, spread)
+    estimate = _fit_corrected(task, found, parameters).estimate
+    task, _ = refit_until_consistent(task, estimate, correct_again)
+    fit = _fit_corrected(task, found, parameters)
     return replace(fit, start=start)
 
 
@@ -396,7 +392,7 @@ def estimate_task_noise(
 
 
 def _fit_corrected(
-    task: EstimationTask, found: CorrectedInputs, parameters: Parameters, spread: float
+    task: EstimationTask, found: CorrectedInputs, parameters: Parameters
 ) -> CorrectedFit:
     """Fit the corrected data with weights from their noise spectrum."""
     pairs = zip(task.maneuvers, found.experiments, strict=True)
@@ -404,7 +400,7 @@ def _fit_corrected(
     experiments = build_experiments(task)
     if task.method is Method.FRE:
         experiments = correct_interpolation(task, experiments, parameters, found.theta)
-    settings = build_fit_settings(task, spread)
+    settings = build_fit_settings(task)
     at_optimum = replace(parameters, start=found.theta)
     base = maximize(experiments, at_optimum, replace(settings, max_iterations=0))
     base = replace(
@@ -421,7 +417,7 @@ def _fit_corrected(
         description = f"{estimate.noise.description}; {_describe_correction(task, found)}"
         noise = replace(estimate.noise, description=description)
         estimate = replace(estimate, noise=noise)
-    return CorrectedFit(task, experiments, found.noise, parameters, estimate, spread, "")
+    return CorrectedFit(task, experiments, found.noise, parameters, estimate, "")
 
 
 def _describe_correction(task: EstimationTask, found: CorrectedInputs) -> str:

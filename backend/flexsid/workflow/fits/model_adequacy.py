@@ -44,7 +44,6 @@ def assess_model_adequacy(
     experiments: Sequence[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    spread: float,
     start: Parameters,
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
     """Test a fit for remaining model error by the residuals of output error at its estimate.
@@ -60,8 +59,6 @@ def assess_model_adequacy(
         responses are tested where they are of some of the excited inputs only.
     parameters, estimate
         The fit.
-    spread
-        Spread of the nuisance prior.
     start
         Free parameters at their first start values, those of equation error by default.
 
@@ -73,10 +70,10 @@ def assess_model_adequacy(
     """
     if not estimate.outcome.is_optimum:
         reason = f"Not tested, since the fit did not converge: {estimate.outcome}."
-        return _describe_untested(task, f"{reason}{_name_causes(task, start, spread)}")
+        return _describe_untested(task, f"{reason}{_name_causes(task, start)}")
     if find_parameters_at_limits(parameters, estimate.values).any():
         reason = "Not tested, since a parameter is at its limit."
-        return _describe_untested(task, f"{reason}{_name_causes(task, start, spread)}")
+        return _describe_untested(task, f"{reason}{_name_causes(task, start)}")
     maneuvers = task.maneuvers
     is_of_record = not fits_some_inputs(task)
     if is_of_record and task.method is not Method.OE:
@@ -87,7 +84,7 @@ def assess_model_adequacy(
             experiments,
             parameters,
             estimate.values,
-            task.list_priors(spread),
+            task.list_priors(),
             extended_models=_list_extended_models(task),
             opposed_motions=[
                 _reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers
@@ -143,7 +140,7 @@ def _list_extended_models(task: EstimationTask) -> list[AeroelasticModel]:
     return [model.with_modes(further) for model in models]
 
 
-def _name_causes(task: EstimationTask, start: Parameters, spread: float) -> str:
+def _name_causes(task: EstimationTask, start: Parameters) -> str:
     """Name what is most wrong at the start values of a fit without an optimum; empty if nothing.
 
     Notes
@@ -158,7 +155,7 @@ def _name_causes(task: EstimationTask, start: Parameters, spread: float) -> str:
             experiments,
             start,
             start.start,
-            task.list_priors(spread),
+            task.list_priors(),
             extended_models=_list_extended_models(task),
             nuisance=task.marginalised,
         )

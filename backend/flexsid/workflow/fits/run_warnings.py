@@ -157,16 +157,6 @@ def warn_of_unknown_modes(
     )
 
 
-def warn_of_exact_shapes(method: Method, shape_errors: Mapping[str, float]) -> tuple[str, ...]:
-    """Warn that equation error takes mode shapes as exact of which errors are stated."""
-    if method is not Method.EE or not shape_errors:
-        return ()
-    return (
-        "The modal table states errors of its mode shapes (shape_std), which equation error takes "
-        "as exact: its standard errors are too small. Use OE or FRE.",
-    )
-
-
 def warn_of_poor_prediction(spread: float) -> tuple[str, ...]:
     """Warn that the prior of the nuisance parameters is wide because the prediction is poor."""
     if spread < _POOR_PREDICTION:

@@ -27,7 +27,6 @@ def compute_variance_budget(
     task: EstimationTask,
     parameters: Parameters,
     estimate: Estimate,
-    spread: float,
     overlap: float,
 ) -> tuple[dict[str, float], dict[str, VarianceShares]]:
     """Compute the errors due to mass and condition, and the shares of all causes.
@@ -36,8 +35,6 @@ def compute_variance_budget(
     ----------
     task, parameters, estimate
         The fit of all parameters; its variances are multiplied by ``overlap`` already.
-    spread
-        Spread of the nuisance prior.
 
     Returns
     -------
@@ -49,13 +46,13 @@ def compute_variance_budget(
     if not estimate.outcome.is_optimum:
         return {}, {}
     own = [name for name in estimate.names if name not in estimate.nuisance]
-    changes = _compute_changes(task, parameters, estimate, spread)
+    changes = _compute_changes(task, parameters, estimate)
     place = [estimate.names.index(name) for name in own]
     of_condition = _sum_squares([c[place] for n, c in changes.items() if n in _CONDITION], own)
     of_mass = _sum_squares([c[place] for n, c in changes.items() if n not in _CONDITION], own)
     known = [name for name in estimate.names if name in task.marginalised]
     selected = estimate.select([*own, *known])  # end states have no prior
-    priors = task.list_priors(spread)
+    priors = task.list_priors()
     of_priors = compute_prior_shares(selected, priors, overlap)
     held = [name for name in selected.names if name in priors]
     is_shape = np.array([name in task.shape_errors for name in held], dtype=bool)
@@ -77,7 +74,7 @@ _CAUSES = ("noise", "prediction", "mode_shapes", "modal_table", "mass", "conditi
 
 
 def _compute_changes(
-    task: EstimationTask, parameters: Parameters, estimate: Estimate, spread: float
+    task: EstimationTask, parameters: Parameters, estimate: Estimate
 ) -> Mapping[str, Float[np.ndarray, " n_theta"]]:
     """Compute the changes with mass and condition by output error, whatever the estimator."""
     wrong_models = [data.wrong_models for data in task.maneuvers]
@@ -89,7 +86,7 @@ def _compute_changes(
         experiments = build_record_experiments(task, parameters, estimate)
     try:
         return compute_changes_by_assumptions(
-            experiments, parameters, estimate.values, task.list_priors(spread), wrong_models
+            experiments, parameters, estimate.values, task.list_priors(), wrong_models
         )
     except np.linalg.LinAlgError:  # no information: neither are there standard errors
         return {}

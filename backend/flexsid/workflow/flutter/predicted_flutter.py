@@ -242,8 +242,11 @@ def compute_predicted_flutter(
     low, high = task.band
     names = {str(number): name for number, name in task.modes.names.items()}
     aircraft = task.build_aircraft(float(np.sqrt(low * high)))
-    frequency_std = np.array([task.modes.frequency_std[number] for number in task.table.modes])
-    stiffness = StiffnessError(frequency_std, np.inf)
+    frequency_std, damping_std = (
+        np.array([std[number] for number in task.table.modes])
+        for std in (task.modes.frequency_std, task.modes.damping_std)
+    )
+    stiffness = StiffnessError(frequency_std, np.inf, damping_std=damping_std)
     found = IdentifiedModes(aircraft, task.uncertain, stiffness)
     prediction = predict_flutter(found, task.band, task.density, called=names)
     if prediction.crossing is not None:

@@ -223,7 +223,7 @@ def _build_model(
             identified.derivatives,
             names,
             covariance,
-            load_run_modes(store, run, maneuver).frequency_std,
+            load_run_modes(store, run, maneuver),
             result.retained,
             identified.priors,
         ),
@@ -267,7 +267,7 @@ def _build_identified_modes(
     derivatives: DerivativeTable,
     names: tuple[str, ...],
     covariance: np.ndarray,
-    frequency_std: Mapping[int, float],
+    known: AircraftModes,
     retained: RetainedModes | None = None,
     priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> IdentifiedModes:
@@ -286,20 +286,22 @@ def _build_identified_modes(
     selected = [k for k, name in enumerate(names) if name in places]
     selected.sort(key=lambda k: places[names[k]])
     where = np.array([places[names[k]] for k in selected], dtype=int).reshape(-1, 2)
-    relative_std = [
-        float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
-        if f"omega_{number}" in names
-        else frequency_std[number]
-        for number in derivatives.modes
-    ]
     slopes = dict(zip(model.modes.numbers, _compute_stiffness_slopes(model), strict=True))
+
+    def collect(kind: str, of_table: Mapping[int, float]) -> np.ndarray:
+        std = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        return np.array([std.get(f"{kind}_{n}", of_table[n]) for n in derivatives.modes])
+
+    at = model.condition
     return IdentifiedModes(
         Aeroelastic(model.condition, modes, derivatives, model.shape),
         UncertainDerivatives(where[:, 0], where[:, 1], covariance[np.ix_(selected, selected)]),
         StiffnessError(
-            np.array(relative_std),
-            model.condition.dynamic_pressure,
+            collect("omega", known.frequency_std),
+            at.dynamic_pressure,
             np.array([slopes[number] for number in modes.numbers]),
+            collect("zeta", known.damping_std),
+            at.density * at.airspeed,
         ),
         _get_prior(retained, priors or {}, [names[k] for k in selected]),
     )

@@ -23,7 +23,6 @@ from flexsid.sysid.estimation.growing_record import (
     fit_growing_record,
     select_resolved_frequencies,
 )
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -155,6 +154,7 @@ def prepare_live_task(
                 channel=name,
             )
     flown = condition or store.maneuvers.get(run.maneuver_id).condition
+    parameters = select_free_parameters(task, get_first_start(task), ())
     live = LiveTask(
         condition=LiveCondition(
             airspeed_m_s=flown.airspeed_m_s,
@@ -170,8 +170,8 @@ def prepare_live_task(
         outputs=measurement.outputs,
         commands=commands,
         omega=measurement.frequencies.omega,
-        parameters=select_free_parameters(task, get_first_start(task), ()),
-        priors=task.list_priors(PRIOR_SPREAD),
+        parameters=parameters,
+        priors={name: p for name, p in task.list_priors().items() if name in parameters.names},
         mode_names=task.mode_names,
         stiffness=_read_stiffness_error(store, run, task),
         next_airspeed_m_s=next_airspeed_m_s,
@@ -223,7 +223,7 @@ def adjust_live_task(
 
 
 def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask) -> StiffnessError:
-    """Read the standard deviation of the modal frequencies, as for the run after the flight."""
+    """Read the standard deviations of the modal table, as for the run after the flight."""
     maneuver = store.maneuvers.get(run.maneuver_id)
     modes, _ = load_modes_of_model(
         store,
@@ -232,8 +232,13 @@ def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask
         run.damping_table_id,
         task.structure.modes,
     )
-    relative = np.array([modes.frequency_std[number] for number in task.model.modes.numbers])
-    return StiffnessError(relative, task.model.condition.dynamic_pressure)
+    numbers, at = task.model.modes.numbers, task.model.condition
+    return StiffnessError(
+        np.array([modes.frequency_std[number] for number in numbers]),
+        at.dynamic_pressure,
+        damping_std=np.array([modes.damping_std[number] for number in numbers]),
+        mass_flow=at.density * at.airspeed,
+    )
 
 
 def _count_samples(rate_hz: float) -> int | None:

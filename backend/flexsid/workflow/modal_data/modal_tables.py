@@ -51,6 +51,11 @@ SAME_FREQUENCY = 0.05
 FREQUENCY_STD = {ModalKind.FEM: FEM_FREQUENCY, ModalKind.GVT: GVT_FREQUENCY}
 """Relative standard deviation of the frequencies of a modal table."""
 
+SHAPE_STD = {ModalKind.FEM: 0.1, ModalKind.GVT: 0.03}
+"""Standard deviation of the shapes of a modal table that states none, relative to their rms.
+
+A MAC of 0.99 and 0.999: of finite element models 0.90 to 0.99 is usual."""
+
 _LEAST_COMPONENTS = 6
 """Measured components from which shapes at sensor points can be compared."""
 
@@ -91,7 +96,7 @@ class AircraftModes:
 
     ``frequency_std`` and ``damping_std`` are relative standard deviations of the frequencies
     and of the damping ratio of each mode, by number; ``shape_std`` those of the shapes that the
-    table states.
+    table states, relative to their rms, ``assumed_shape_std`` that of the others.
     """
 
     table: ModeTable
@@ -101,6 +106,7 @@ class AircraftModes:
     frequency_std: dict[int, float]
     damping_std: dict[int, float]
     shape_std: dict[int, float]
+    assumed_shape_std: float
 
     def belongs_to(self, number: int, body: RigidBody) -> bool:
         """Whether a mode may have the symmetry of the motion of an axis."""
@@ -125,6 +131,7 @@ NO_MODES = AircraftModes(
     frequency_std={},
     damping_std={},
     shape_std={},
+    assumed_shape_std=0.0,
 )
 """Modes of an aircraft without modal table, which is identified as a rigid one."""
 
@@ -174,18 +181,19 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
             for number in modal.numbers
         },
         shape_std=_collect_shape_std(opened),
+        assumed_shape_std=SHAPE_STD[modal.kind],
     )
 
 
 def _collect_shape_std(modes: Modes) -> dict[int, float]:
     """Collect the stated relative standard deviation of the shape of each mode, by number.
 
-    The largest of all fuels; modes without one are taken as exact.
+    The largest of all fuels; zero states that shapes are exact.
     """
     if modes.shape_std is None:
         return {}
-    known = np.where(np.isfinite(modes.shape_std), modes.shape_std, 0.0).max(axis=0)
-    return dict(zip(modes.table.numbers, known.tolist(), strict=True))
+    stated = np.fmax.reduce(modes.shape_std, axis=0).tolist()
+    return {n: std for n, std in zip(modes.table.numbers, stated, strict=True) if not np.isnan(std)}
 
 
 def compute_frequency_std(modes: Modes) -> dict[int, float]:

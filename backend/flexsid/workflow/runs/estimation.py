@@ -80,7 +80,6 @@ from flexsid.workflow.fits.estimation_task import (
 from flexsid.workflow.fits.run_warnings import (
     check_extras,
     list_request_warnings,
-    warn_of_exact_shapes,
     warn_of_unknown_modes,
 )
 from flexsid.workflow.measurements.flight_records import read_flight_record
@@ -239,12 +238,15 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         nuisance=nuisance,
         shape_errors=shape_errors,
         drifts=drifts,
+        assumed=frozenset(
+            name for name in shape_errors if int(name.rpartition("_")[2]) not in modes.shape_std
+        ),
+        shape_spread=modes.assumed_shape_std,
         prediction_id=None if prediction is None else prediction.id,
         warnings=(
             *assumed,
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
-            *warn_of_exact_shapes(run.method, shape_errors),
             *drifts,
         ),
         provenance=Provenance(
@@ -339,6 +341,7 @@ def store_result(
             adequacy=computed.adequacy,
             symmetry=computed.symmetry,
             error_causes=_store_error_causes(store, estimate.components, maneuver_ids),
+            shape_spread=computed.shape_spread,
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
@@ -507,13 +510,17 @@ def _list_shape_errors(
     modes: AircraftModes,
     structure: Structure,
 ) -> dict[str, float]:
-    """List the standard deviations of the errors of mode shapes; free shapes have none."""
-    if not any(modes.shape_std.values()):
+    """List the standard deviations of the errors of mode shapes; free shapes have none.
+
+    Those of shapes of which the table states none are for a spread of one.
+    """
+    if not model.modes.numbers:
         return {}
     condition = maneuver.condition
     shapes = modes.table.at(condition.fuel_fraction).select(model.modes.numbers)
     sizes = compute_shape_sizes(aircraft, condition, shapes, outputs, model.body)
-    found = list_shape_errors(model, sizes, modes.shape_std)
+    std = {number: modes.shape_std.get(number, 1.0) for number in model.modes.numbers}
+    found = list_shape_errors(model, sizes, std)
     free = {name.replace("shape", SHAPE_ERROR, 1) for name in structure.extra_parameters}
     return {name: std for name, std in found.items() if name not in free}
 

@@ -10,7 +10,6 @@ from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.fisher_information import compute_determined_shares
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.spectra.residual_spectrum import estimate_scatter
@@ -82,7 +81,7 @@ def _compute_derivative_shares(task: EstimationTask) -> dict[str, float]:
     if not any(np.isfinite(std).any() for std in noise):
         return {}
     names = task.model.derivative_names
-    priors = task.nuisance.list_priors(names, PRIOR_SPREAD)
+    priors = task.nuisance.list_priors(names, task.spread)
     parameters = select_parameters(task.nuisance.mean, names, task.model.outputs)
     experiments = [
         output_error(one.model, one.measured.inputs, one.measured.outputs, one.measured.instruments)

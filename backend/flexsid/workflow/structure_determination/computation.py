@@ -71,7 +71,9 @@ def compare_models(
         fraction = interpolate_progress(share, number, len(fitted))
         at = Progress(fraction=fraction, message=f"Predicting with {one.name}")
         report(at)
-        settings = build_fit_settings(restrict_terms(task.maneuvers[0], full.runs[0], one.selected))
+        restricted = restrict_terms(task.maneuvers[0], full.runs[0], one.selected)
+        # Halves are fitted with the shapes of the table: no run reports their errors.
+        settings = build_fit_settings(replace(restricted, shape_errors={}))
         predicted = cross_validate(
             seen, one.estimates, unseen, settings, _report_iterations(at, report)
         )

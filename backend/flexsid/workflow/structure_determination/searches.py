@@ -76,6 +76,12 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
         )
         for numbers in (ids, unseen)
     )
+    if request.method is Method.EE:
+        # The errors that equation error gives shapes are too careful to select terms by.
+        tasks, others = (
+            tuple(replace(one, shape_errors={}, assumed=frozenset()) for one in some)
+            for some in (tasks, others)
+        )
     _check_same_candidates((*tasks, *others))
     settings = request.settings
     return SearchTask(

@@ -175,11 +175,11 @@ def restrict_terms(
     estimate = get_whole_estimate(full)
     found = dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     start = task.model.fill_table(get_first_start(task).named() | full.held | found)
+    task = task.with_spreads(full.retained, full.shape_spread)
     return replace(
         task,
         structure=structure,
         starts={"the estimate of all terms": start},
-        spread=task.spread if full.retained is None else full.retained.spread,
         try_equation_error=False,
         priors={name: prior for name, prior in task.priors.items() if name not in absent},
     )

@@ -34,7 +34,6 @@ from flexsid.sysid.adequacy.validation import (
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.feedback_noise import compute_costs
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
@@ -236,9 +235,7 @@ def _maximize(
     parameters, _, estimate = maximize_from_starts(
         task, experiments, report, n_perturbed=0, candidates=candidates
     )
-    _, estimate = refit_with_leakage_correction(
-        task, experiments, parameters, estimate, report, PRIOR_SPREAD
-    )
+    _, estimate = refit_with_leakage_correction(task, experiments, parameters, estimate, report)
     return parameters, estimate.values
 
 

@@ -21,7 +21,6 @@ from flexsid.sysid.adequacy.posterior import (
 )
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.leakage import remove_leakage
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
@@ -101,12 +100,11 @@ def check_posterior(store: Store, query: PosteriorQuery, report: ReportProgress)
     """
     run = store.runs.get(query.run_id)
     values = collect_values(run)
-    task = prepare_refit(store, run, values)
+    result = get_result(run)
+    task = prepare_refit(store, run, values).with_spreads(result.retained, result.shape_spread)
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
     start = parameters.start.tolist()
     theta = np.array([values.get(n, v) for n, v in zip(parameters.names, start, strict=True)])
-    retained = get_result(run).retained
-    spread = PRIOR_SPREAD if retained is None else retained.spread
 
     def report_samples(fraction: float) -> None:
         report(Progress(fraction=_SAMPLED * fraction, message="Sampling the posterior"))
@@ -124,7 +122,7 @@ def check_posterior(store: Store, query: PosteriorQuery, report: ReportProgress)
         experiments,
         parameters,
         theta,
-        task.list_priors(spread),
+        task.list_priors(),
         densities=densities,
         n_samples=_SAMPLES,
         report=report_samples,

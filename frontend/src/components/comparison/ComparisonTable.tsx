@@ -72,6 +72,12 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
           >
             <span style={cell.consistent === false ? DEPARTS : undefined}>{value}</span>
             {cell.std_error != null && <span className="quiet"> ± {error}</span>}
+            {cell.rests_on != null && (
+              <span className="quiet" title={cell.rests_on} data-testid="rests-on">
+                {" "}
+                †
+              </span>
+            )}
             {base != null && <Difference from={base} to={cell} />}
           </span>
         );

@@ -26,6 +26,7 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
           ["Modes", run.structure.modes.join(", ") || "rigid"],
           ["Nuisance modes", run.retained?.modes.join(", ") ?? "none"],
           ["Spread of the prediction", fixed(run.retained && 100 * run.retained.spread, 0), "%"],
+          ["Spread of mode shapes", fixed(run.shape_spread && 100 * run.shape_spread, 1), "%"],
           ["Start", fit.start.replaceAll("-", " ")],
           ["Computing time", fixed(fit.seconds, 2), "s"],
         ]}
