@@ -10,16 +10,17 @@ import {
 import { PageError } from "./components/frame/PageError";
 import { AppFrame } from "./components/frame/AppFrame";
 import { retryImport } from "./lib/retryImport";
-import { parseSearch, stringifySearch } from "./lib/urlState";
+import { parseSearch, stringifySearch, type Search } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
 import {
   aircraftView,
+  COMPARE_TABS,
+  MANEUVER_TABS,
+  RUN_TABS,
   batchView,
   campaignView,
-  closedLoopView,
   compareView,
   conditionView,
-  dashboardView,
   designView,
   excitationView,
   importView,
@@ -29,7 +30,6 @@ import {
   flutterView,
   globalModelVersionView,
   globalModelView,
-  searchView,
   frameView,
   glossaryView,
   jobsView,
@@ -40,11 +40,9 @@ import {
   newDecisionView,
   modelStructureView,
   newRunView,
-  qualityView,
   runsView,
   runView,
   modalDataView,
-  validationView,
 } from "./views";
 
 /** A page, loaded when first opened, also over a server that comes back. */
@@ -63,6 +61,54 @@ const byId = {
   parse: ({ id }: { id: string }) => ({ id: /^\d{1,15}$/.test(id) ? Number(id) : 0 }),
   stringify: ({ id }: { id: number }) => ({ id: String(id) }),
 };
+
+interface Target {
+  to: string;
+  search: Search;
+  hash?: string;
+}
+
+function redirectTo({ to, search, hash }: Target): never {
+  // The target is a page of its own, whose parser reads the search parameters.
+  throw redirect({ to: to as "/", search: search as object, hash, replace: true });
+}
+
+/** Opens the section that a former tab has become. */
+const openSection =
+  (tabs: Readonly<Record<string, readonly string[]>>) =>
+  ({ location: { pathname, search } }: { location: { pathname: string; search: Search } }) => {
+    const { tab: named } = search;
+    if (typeof named !== "string" || named in tabs) return;
+    const tab = Object.keys(tabs).find((one) => tabs[one]?.includes(named));
+    if (tab !== undefined) redirectTo({ to: pathname, search: { ...search, tab }, hash: named });
+  };
+
+/** A former address, and where its page is now. */
+const moved = <const Path extends string>(path: Path, find: (search: Search) => Target) =>
+  createRoute({
+    getParentRoute: () => root,
+    path,
+    beforeLoad: ({ location }) => {
+      redirectTo(find(location.search));
+    },
+  });
+
+const movedPages = [
+  moved("/dashboard", (search) => ({ to: "/campaign", search, hash: "coverage" })),
+  moved("/quality", (search) => ({ to: "/campaign", search: { ...search, columns: "quality" } })),
+  moved("/validation", ({ run, maneuver, ...search }) => ({
+    to: "/compare",
+    search: { ...search, predicted_by: run, predicted: maneuver, tab: "validation" },
+    hash: "validation",
+  })),
+  moved("/closed-loop", (search) => ({
+    to: "/flutter",
+    search: { ...search, tab: "closed-loop" },
+  })),
+  moved("/search", (search) => ({ to: "/model-structures", search, hash: "search" })),
+  moved("/preflight-simulation", (search) => ({ to: "/excitation", search })),
+  moved("/structures", (search) => ({ to: "/modal-data", search })),
+] as const;
 
 const start = createRoute({
   getParentRoute: () => root,
@@ -91,18 +137,12 @@ const condition = createRoute({
   component: page(() => import("./pages/ConditionPage"), "ConditionPage"),
 });
 
-const dashboard = createRoute({
-  getParentRoute: () => root,
-  path: "/dashboard",
-  validateSearch: dashboardView,
-  component: page(() => import("./pages/DashboardPage"), "DashboardPage"),
-});
-
 const maneuver = createRoute({
   getParentRoute: () => root,
   path: "/maneuvers/$id",
   params: byId,
   validateSearch: maneuverView,
+  beforeLoad: openSection(MANEUVER_TABS),
   component: page(() => import("./pages/ManeuverPage"), "ManeuverPage"),
 });
 
@@ -112,13 +152,6 @@ const flight = createRoute({
   params: byId,
   validateSearch: flightView,
   component: page(() => import("./pages/FlightPage"), "FlightPage"),
-});
-
-const quality = createRoute({
-  getParentRoute: () => root,
-  path: "/quality",
-  validateSearch: qualityView,
-  component: page(() => import("./pages/QualityPage"), "QualityPage"),
 });
 
 const miniGvt = createRoute({
@@ -156,6 +189,7 @@ const run = createRoute({
   path: "/runs/$id",
   params: byId,
   validateSearch: runView,
+  beforeLoad: openSection(RUN_TABS),
   component: page(() => import("./pages/RunPage"), "RunPage"),
 });
 
@@ -183,14 +217,8 @@ const compare = createRoute({
   getParentRoute: () => root,
   path: "/compare",
   validateSearch: compareView,
+  beforeLoad: openSection(COMPARE_TABS),
   component: page(() => import("./pages/ComparePage"), "ComparePage"),
-});
-
-const search = createRoute({
-  getParentRoute: () => root,
-  path: "/search",
-  validateSearch: searchView,
-  component: page(() => import("./pages/SearchPage"), "SearchPage"),
 });
 
 const flutter = createRoute({
@@ -207,44 +235,10 @@ const modalData = createRoute({
   component: page(() => import("./pages/ModalDataPage"), "ModalDataPage"),
 });
 
-/** Former address of the modal data. */
-const structures = createRoute({
-  getParentRoute: () => root,
-  path: "/structures",
-  beforeLoad: ({ location }) => {
-    throw redirect({
-      to: "/modal-data",
-      search: modalDataView(location.search),
-      hash: location.hash,
-      replace: true,
-    });
-  },
-});
-
-const preflight = createRoute({
-  getParentRoute: () => root,
-  path: "/preflight-simulation",
-  component: page(() => import("./pages/PreflightPage"), "PreflightPage"),
-});
-
 const groundTests = createRoute({
   getParentRoute: () => root,
   path: "/mini-gvt",
   component: page(() => import("./pages/MiniGvtPage"), "GroundTestsPage"),
-});
-
-const closedLoop = createRoute({
-  getParentRoute: () => root,
-  path: "/closed-loop",
-  validateSearch: closedLoopView,
-  component: page(() => import("./pages/ClosedLoopPage"), "ClosedLoopPage"),
-});
-
-const validation = createRoute({
-  getParentRoute: () => root,
-  path: "/validation",
-  validateSearch: validationView,
-  component: page(() => import("./pages/ValidationPage"), "ValidationPage"),
 });
 
 const globalModel = createRoute({
@@ -368,13 +362,15 @@ const design = createRoute({
   component: page(() => import("./pages/DesignPage"), "DesignPage"),
 });
 
+/** Page of the last navigation. */
+let openPage = "";
+
 export const router = createRouter({
   routeTree: root.addChildren([
     start,
     campaign,
     conditions,
     condition,
-    dashboard,
     runs,
     runTemplates,
     glossary,
@@ -382,20 +378,14 @@ export const router = createRouter({
     miniGvt,
     live,
     liveStream,
-    quality,
     flight,
     newRun,
     run,
     compare,
     flutter,
-    closedLoop,
     globalModel,
     globalModelVersion,
-    validation,
-    search,
     modalData,
-    structures,
-    preflight,
     groundTests,
     jobs,
     job,
@@ -412,12 +402,18 @@ export const router = createRouter({
     decisions,
     newDecision,
     decision,
+    ...movedPages,
   ]),
   parseSearch,
   stringifySearch,
   defaultPreload: "intent",
   defaultErrorComponent: PageError,
-  scrollRestoration: true,
+  // A control of a page changes its address, not the place that is read.
+  scrollRestoration: ({ location: { pathname, hash } }) => {
+    const isOther = pathname !== openPage;
+    openPage = pathname;
+    return isOther || hash !== "";
+  },
 });
 
 declare module "@tanstack/react-router" {

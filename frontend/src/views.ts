@@ -7,6 +7,7 @@ import {
   MODEL_AXES,
   STATES,
   UNIT_SYSTEMS,
+  VERDICTS,
   type DecisionState,
   type Method,
   type ModelAxis,
@@ -19,11 +20,8 @@ export interface MenuPage {
   to:
     | "/"
     | "/excitation"
-    | "/preflight-simulation"
     | "/campaign"
     | "/conditions"
-    | "/dashboard"
-    | "/quality"
     | "/mini-gvt"
     | "/live"
     | "/import"
@@ -31,15 +29,13 @@ export interface MenuPage {
     | "/modal-data"
     | "/runs"
     | "/model-structures"
-    | "/search"
-    | "/validation"
     | "/compare"
     | "/flutter"
-    | "/closed-loop"
     | "/global-model"
     | "/decisions"
     | "/jobs"
     | "/glossary";
+  search?: Search;
   hash?: string;
   label: string;
   key: string;
@@ -50,10 +46,7 @@ export interface MenuPage {
 export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuPage[]] }[] = [
   {
     label: "Plan",
-    pages: [
-      { to: "/excitation", label: "Excitation", key: "e", at: /^\/excitation/ },
-      { to: "/preflight-simulation", label: "Pre-flight simulation", key: "p" },
-    ],
+    pages: [{ to: "/excitation", label: "Excitation", key: "e", at: /^\/excitation/ }],
   },
   {
     label: "Flights",
@@ -67,8 +60,6 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
         at: /^\/(campaign|maneuvers\/\d+|flights\/\d+)\/?$/,
       },
       { to: "/conditions", label: "Conditions", key: "u", at: /^\/conditions/ },
-      { to: "/dashboard", label: "Dashboard", key: "k" },
-      { to: "/quality", label: "Quality", key: "q" },
       {
         to: "/mini-gvt",
         label: "Mini-GVT",
@@ -95,8 +86,6 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
         at: /^\/(runs|run-templates|batches|maneuvers\/\d+\/new-run)/,
       },
       { to: "/model-structures", label: "Model structures", key: "t", at: /^\/model-structures/ },
-      { to: "/search", label: "Structure search", key: "h" },
-      { to: "/validation", label: "Validation", key: "x" },
     ],
   },
   { label: "Compare", pages: [{ to: "/compare", label: "Compare", key: "m" }] },
@@ -104,7 +93,6 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
     label: "Predict",
     pages: [
       { to: "/flutter", label: "Flutter", key: "f" },
-      { to: "/closed-loop", label: "Closed loop", key: "l" },
       { to: "/global-model", label: "Global model", key: "b", at: /^\/global-model/ },
     ],
   },
@@ -120,11 +108,16 @@ export const SIDE_MENU: readonly MenuPage[] = [
   { to: "/glossary", label: "Glossary", key: "g" },
 ];
 
-/** Every page that the command palette and the keyboard open. */
+/** What the command palette and the keyboard open: every page, and parts that have a name. */
 export const VIEWS: readonly MenuPage[] = [
   { to: "/", label: "Start", key: "s" },
   ...MENU.flatMap((entry) => entry.pages),
   ...SIDE_MENU,
+  { to: "/campaign", search: { columns: "quality" }, label: "Data quality", key: "q" },
+  { to: "/campaign", hash: "coverage", label: "Derivatives over the envelope", key: "k" },
+  { to: "/model-structures", hash: "search", label: "Structure search", key: "h" },
+  { to: "/compare", search: { tab: "validation" }, label: "Validation", key: "x" },
+  { to: "/flutter", search: { tab: "closed-loop" }, label: "Closed loop", key: "l" },
 ];
 
 /** Whether an address belongs to a page of the menu. */
@@ -138,6 +131,18 @@ function view<T extends object>(read: (search: Search) => T): (search: Search) =
   return read;
 }
 
+/**
+ * Tab of an address. The name of a section passes, too: formerly each was a tab, and the route
+ * opens the section in its place.
+ */
+function tabIn<Tab extends string>(
+  value: unknown,
+  tabs: Readonly<Record<Tab, readonly string[]>>,
+): Tab | undefined {
+  const sections = Object.values<readonly string[]>(tabs).flat();
+  return oneOf(value, [...Object.keys(tabs), ...sections]) as Tab | undefined;
+}
+
 /** Display units and print format of figures, where they are not those that the user prefers. */
 export const frameView = view((search) => ({
   width_mm: number(search.width_mm),
@@ -147,7 +152,15 @@ export const frameView = view((search) => ({
   frequency_unit: oneOf(search.frequency_unit, FREQUENCY_UNITS),
 }));
 
+/** Columns of the table of maneuvers, where not their runs. */
+export const CAMPAIGN_COLUMNS = ["quality"] as const;
+
 export const campaignView = view((search) => ({
+  columns: oneOf(search.columns, CAMPAIGN_COLUMNS),
+  verdict: oneOf(search.verdict, VERDICTS),
+  /** Aircraft and coefficient of the coverage. */
+  aircraft: integer(search.aircraft),
+  coefficient: text(search.coefficient),
   search: text(search.search),
   flight: integer(search.flight),
   fta: integer(search.fta),
@@ -165,11 +178,6 @@ export const campaignView = view((search) => ({
   selected: integers(search.selected),
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
-
-export const dashboardView = view((search) => ({
-  aircraft: integer(search.aircraft),
-  coefficient: text(search.coefficient),
-}));
 
 export const conditionView = view((search) => ({
   /** Derivative or sensor that is emphasised in all panels. */
@@ -204,16 +212,6 @@ export const liveStreamView = view((search) => ({
   input: text(search.input),
 }));
 
-export const VERDICTS = ["bad", "questionable", "unchecked", "good", "missing"] as const;
-
-export const qualityView = view((search) => ({
-  verdict: oneOf(search.verdict, VERDICTS),
-  flight: integer(search.flight),
-  search: text(search.search),
-  sort: text(search.sort),
-}));
-export type QualityView = ReturnType<typeof qualityView>;
-
 export const runsView = view((search) => ({
   search: text(search.search),
   aircraft: integer(search.aircraft),
@@ -234,21 +232,18 @@ export type RunsView = ReturnType<typeof runsView>;
 
 export const BODE_PLANES = ["bode", "nichols", "nyquist", "loops"] as const;
 
-export const MANEUVER_TABS = [
-  "time",
-  "quality",
-  "compatibility",
-  "spectra",
-  "inputs",
-  "reconstruction",
-  "bode",
-  "transfer-function",
-  "output-only",
-  "runs",
-] as const;
+/** Tabs of a maneuver with their sections. */
+export const MANEUVER_TABS = {
+  time: ["time"],
+  quality: ["quality", "compatibility"],
+  spectra: ["spectra", "inputs"],
+  reconstruction: ["reconstruction"],
+  bode: ["bode", "transfer-function", "output-only"],
+  runs: ["runs"],
+} as const;
 
 export const maneuverView = view((search) => ({
-  tab: oneOf(search.tab, MANEUVER_TABS),
+  tab: tabIn(search.tab, MANEUVER_TABS),
   channels: words(search.channels),
   /** Window of the time histories [s]. */
   from: number(search.from),
@@ -312,22 +307,16 @@ export const newRunView = view((search) => ({
   axis: oneOf<ModelAxis>(search.axis, MODEL_AXES),
 }));
 
-export const RUN_TABS = [
-  "parameters",
-  "fit",
-  "residuals",
-  "sensors",
-  "time",
-  "correlation",
-  "poles",
-  "aerodynamics",
-  "posterior",
-  "iterations",
-  "provenance",
-] as const;
+/** Tabs of a run with their sections. */
+export const RUN_TABS = {
+  result: ["parameters", "poles", "correlation"],
+  fit: ["fit", "residuals", "time"],
+  checks: ["tests", "sensors", "aerodynamics", "posterior"],
+  record: ["provenance", "iterations"],
+} as const;
 
 export const runView = view((search) => ({
-  tab: oneOf(search.tab, RUN_TABS),
+  tab: tabIn(search.tab, RUN_TABS),
   block: text(search.block),
   output: text(search.output),
   sort: text(search.sort),
@@ -343,19 +332,19 @@ export const runView = view((search) => ({
 }));
 export type RunView = ReturnType<typeof runView>;
 
-export const COMPARE_TABS = [
-  "derivatives",
-  "agreement",
-  "trends",
-  "responses",
-  "poles",
-  "time",
-  "setup",
-] as const;
+export const PARTITIONS = ["folds", "frequencies", "periods"] as const;
+
+/** Tabs of a comparison with their sections. */
+export const COMPARE_TABS = {
+  derivatives: ["derivatives", "agreement", "setup"],
+  trends: ["trends"],
+  responses: ["responses", "poles"],
+  validation: ["time", "validation"],
+} as const;
 export const AGAINST = ["dynamic_pressure", "airspeed_ratio", "fuel", "fta"] as const;
 
 export const compareView = view((search) => ({
-  tab: oneOf(search.tab, COMPARE_TABS),
+  tab: tabIn(search.tab, COMPARE_TABS),
   runs: integers(search.runs),
   predictions: integers(search.predictions),
   coefficient: text(search.coefficient),
@@ -378,6 +367,13 @@ export const compareView = view((search) => ({
   to: number(search.to),
   arrangement: oneOf(search.arrangement, ["overlay"] as const),
   every: flag(search.every),
+  /** Maneuvers that the runs predict, theirs by default, and the prediction that is shown. */
+  maneuvers: integers(search.maneuvers),
+  predicted_by: integer(search.predicted_by),
+  predicted: integer(search.predicted),
+  /** Data that are held out from refits of that run. */
+  partition: oneOf(search.partition, PARTITIONS),
+  folds: integer(search.folds),
 }));
 export type CompareView = ReturnType<typeof compareView>;
 
@@ -390,7 +386,11 @@ export const VARIATIONS = ["linear", "global-model"] as const;
 export const PREDICTION_AXES = ["longitudinal", "lateral"] as const;
 export type PredictionAxis = (typeof PREDICTION_AXES)[number];
 
+/** Tabs of the flutter page, of one section each. */
+export const FLUTTER_TABS = { flutter: ["flutter"], "closed-loop": ["closed-loop"] } as const;
+
 export const flutterView = view((search) => ({
+  tab: tabIn(search.tab, FLUTTER_TABS),
   runs: integers(search.runs),
   /** Fuel in percent, altitude [m] and next airspeed [m/s], where not the fastest point's. */
   fuel: number(search.fuel),
@@ -405,6 +405,7 @@ export const flutterView = view((search) => ({
   prediction: integer(search.prediction),
   /** Axis of a prediction alone, where not its first. */
   axis: oneOf(search.axis, PREDICTION_AXES),
+  controller: integer(search.controller),
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
@@ -462,33 +463,6 @@ export const modalDataView = view((search) => ({
   prediction: integer(search.prediction),
 }));
 export type ModalDataView = ReturnType<typeof modalDataView>;
-
-export const closedLoopView = view((search) => ({
-  runs: integers(search.runs),
-  controller: integer(search.controller),
-  /** Fuel in percent and altitude [m], where not the fastest point's. */
-  fuel: number(search.fuel),
-  altitude: number(search.altitude),
-  unmodelled_modes: oneOf(search.unmodelled_modes, UNMODELLED_MODES),
-  variation: oneOf(search.variation, VARIATIONS),
-}));
-export type ClosedLoopView = ReturnType<typeof closedLoopView>;
-
-export const PARTITIONS = ["folds", "frequencies", "periods"] as const;
-
-export const validationView = view((search) => ({
-  runs: integers(search.runs),
-  /** Predicted maneuvers; those of the runs by default. */
-  maneuvers: integers(search.maneuvers),
-  /** Prediction that is shown, and its output. */
-  run: integer(search.run),
-  maneuver: integer(search.maneuver),
-  output: text(search.output),
-  /** Data that are held out from refits of the run. */
-  partition: oneOf(search.partition, PARTITIONS),
-  folds: integer(search.folds),
-}));
-export type ValidationView = ReturnType<typeof validationView>;
 
 export const VARIABLES = [
   "dynamic_pressure_pa",
@@ -593,7 +567,25 @@ export const importView = view((search) => ({
   channels: words(search.channels),
 }));
 
-export const modelStructuresView = view((search) => ({ aircraft: integer(search.aircraft) }));
+export const SEARCH_ALGORITHMS = ["stepwise", "orthogonal functions"] as const;
+export const INITIAL_TERMS = ["all", "equation error"] as const;
+
+export const modelStructuresView = view((search) => ({
+  aircraft: integer(search.aircraft),
+  /** The search that is shown; without one, what the next would be. */
+  id: integer(search.id),
+  /** Coefficient, or method, whose path and terms are shown. */
+  group: text(search.group),
+  maneuvers: integers(search.maneuvers),
+  unseen: integers(search.unseen),
+  method: oneOf<Method>(search.method, METHODS),
+  modes: integers(search.modes),
+  algorithm: oneOf(search.algorithm, SEARCH_ALGORITHMS),
+  initial_terms: oneOf(search.initial_terms, INITIAL_TERMS),
+  f_in: number(search.f_in),
+  f_out: number(search.f_out),
+}));
+export type ModelStructuresView = ReturnType<typeof modelStructuresView>;
 
 const CELL_NUMBERS = ["all", "none"] as const;
 
@@ -632,22 +624,3 @@ export const decisionView = view((search) => ({
   revise: flag(search.revise),
 }));
 export type DecisionView = ReturnType<typeof decisionView>;
-
-export const SEARCH_ALGORITHMS = ["stepwise", "orthogonal functions"] as const;
-export const INITIAL_TERMS = ["all", "equation error"] as const;
-
-export const searchView = view((search) => ({
-  /** The search that is shown; without one, what the next would be. */
-  id: integer(search.id),
-  /** Coefficient, or method, whose path and terms are shown. */
-  group: text(search.group),
-  maneuvers: integers(search.maneuvers),
-  unseen: integers(search.unseen),
-  method: oneOf<Method>(search.method, METHODS),
-  modes: integers(search.modes),
-  algorithm: oneOf(search.algorithm, SEARCH_ALGORITHMS),
-  initial_terms: oneOf(search.initial_terms, INITIAL_TERMS),
-  f_in: number(search.f_in),
-  f_out: number(search.f_out),
-}));
-export type SearchView = ReturnType<typeof searchView>;

@@ -33,6 +33,12 @@ def test_campaign_is_assessed_and_listed(client: TestClient):
     assert item["verdict"] == "good"
     assert item["figures"]["signal_to_noise_db"] > 15.0
     assert response.json()["assessing"]["failed"] == 0
+    table = client.get(f"{API}/maneuvers?verdict=good&sort=-signal_to_noise_db").json()["items"]
+    assert {name: table[0][name] for name in ("verdict", "summary", "figures")} == {
+        name: item[name] for name in ("verdict", "summary", "figures")
+    }
+    (choice,) = client.get(f"{API}/maneuvers/facets").json()["choices"]["verdict"]
+    assert choice == {"value": "good", "label": "good", "count": 1}
     one = client.get(f"{API}/maneuvers/1/quality")
     found = TypeAdapter(ManeuverQuality).validate_python(one.json()["quality"])
     assert found.summary == item["summary"]

@@ -30,11 +30,10 @@ SHOWN = {
 HELD = {
     "/compare": "runs={runs}&predictions=1,2",
     "/flutter": "runs={runs}",
-    "/closed-loop": "runs={runs}",
-    "/validation": "runs={runs}&partition=frequencies",
-    "/search": "id={search}",
+    "/model-structures": "id={search}",
     "/decisions/new": "structure=1&runs={runs}",
     "/excitation/$id": "run={run}",
+    "/compare validation": "runs={runs}&predictions=1,2&partition=frequencies",
     "/maneuvers/$id spectra": "low=1&high=6",
     "/maneuvers/$id bode": "models={run}",
     "/modal-data gvt": "responses=1",
@@ -42,6 +41,7 @@ HELD = {
 
 # Further states of a page.
 STATES = {
+    "campaign-quality": "/campaign?columns=quality",
     "campaign-nothing": "/campaign?search=no+such+maneuver",
     "flight-uncut": "/flights/5",
     "run-cancelled": "/runs/{cancelled}",
@@ -51,9 +51,7 @@ STATES = {
     "compare-nothing": "/compare",
     "compare-differences": "/compare?runs={runs}&predictions=1&differences=true&baseline=run-{run}",
     "flutter-nothing": "/flutter",
-    "closed-loop-nothing": "/closed-loop",
-    "validation-nothing": "/validation",
-    "search-new": "/search?maneuvers=2&modes=7,9",
+    "search-new": "/model-structures?maneuvers=2&modes=7,9",
     "excitation-own": "/excitation?from=own",
     "excitation-flown": "/excitation?from=flown",
     "decision-global-model": "/decisions/new?global_model={global_model}",
@@ -65,19 +63,18 @@ STATES = {
 
 def addresses() -> dict[str, str]:
     """Name and address of every page, with each of its tabs."""
-    found = {
+    return {
         "-".join(filter(None, (_name(path), tab))): _address(path, tab)
         for path, view in _routes()
         for tab in _tabs(view) or [""]
     }
-    return {**found, **STATES}
 
 
 def _routes() -> Iterator[tuple[str, str | None]]:
     """Path of every route that is not a redirect, and the parser of its search parameters."""
     text = (SOURCES / "routes.tsx").read_text(encoding="utf-8")
     for route in text.split("createRoute({")[1:]:
-        if "redirect({" in route:
+        if "redirectTo(find" in route:
             continue
         path = re.search(r'path: "([^"]+)"', route)
         assert path, f"no path in {route[:200]}"
@@ -89,12 +86,12 @@ def _tabs(view: str | None) -> list[str]:
     """Tabs in the parser of the search parameters."""
     text = (SOURCES / "views.ts").read_text(encoding="utf-8")
     reader = re.search(rf"export const {view} = view\((.*?)\n?\}}\)\);", text, re.DOTALL)
-    named = reader and re.search(r"\btab: oneOf\(search\.tab, (\w+)\)", reader[1])
+    named = reader and re.search(r"\btab: (?:oneOf|tabIn)\(search\.tab, (\w+)\)", reader[1])
     if not named:
         return []
-    listed = re.search(rf"export const {named[1]} = \[(.*?)\] as const", text, re.DOTALL)
+    listed = re.search(rf"export const {named[1]} = ([\[{{])(.*?)[\]}}] as const", text, re.DOTALL)
     assert listed, f"{named[1]} is not a list of tabs in views.ts"
-    return re.findall(r'"([^"]+)"', listed[1])
+    return re.findall(r'"([^"]+)"' if listed[1] == "[" else r'"?([\w-]+)"?: \[', listed[2])
 
 
 def _name(path: str) -> str:

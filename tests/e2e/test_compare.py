@@ -15,6 +15,7 @@ _ADDRESS = f"/compare?runs={','.join(map(str, RUN_IDS))}&predictions=1,2"
 
 
 def test_runs_are_compared_every_way(page: Page):
+    # Formerly each was a tab: these addresses open its section.
     for tab, figure, table in (
         ("derivatives", "derivatives", "comparison-table"),
         ("agreement", "forest", "pairs-table"),

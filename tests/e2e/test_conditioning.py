@@ -40,13 +40,12 @@ def test_a_campaign_is_checked_in_the_background(page: Page):
     page.goto("/quality")
     page.get_by_test_id("assess").click()
     expect(page.get_by_test_id("assessing")).to_contain_text("of")
-    rows = page.get_by_test_id("quality-table").locator("tbody tr")
+    expect(page).to_have_url(re.compile(r"/campaign\?columns=quality"))
+    rows = page.get_by_test_id("campaign-table").locator("tbody tr")
     expect(rows.get_by_test_id("verdict-good").first).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_test_id("assessing").get_by_role("button", name="Cancel").click()
     expect(page.get_by_test_id("assess")).to_be_visible(timeout=PATIENCE_MS)
-    rows.get_by_test_id("verdict-good").first.locator("xpath=ancestor::tr").get_by_role(
-        "link"
-    ).click()
+    rows.get_by_test_id("verdict-good").first.click()
     expect(page).to_have_url(re.compile("tab=quality"))
     expect(page.get_by_test_id("quality-good")).to_be_visible()
 

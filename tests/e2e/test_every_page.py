@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import statistics
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 from flexsid.client import Workbench
 
-from .addresses import addresses
+from .addresses import STATES, addresses
 from .conftest import opened_page, watched
 
 pytestmark = pytest.mark.e2e
@@ -30,7 +31,8 @@ THEMES = ("light", "dark")
 # combinations, which are shown for screenshots only.
 _ALL = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 AXE_RULES = {("light", 1024): _ALL, ("dark", 1440): ["color-contrast"]}
-PAGES = addresses()
+VIEWS = addresses()
+PAGES = {**VIEWS, **STATES}
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +133,25 @@ def test_a_page_has_no_errors_overflow_or_violations(
     refused = 404 if name == "no-such-record" else None
     with watched(visited, refused):
         _open(visited, name, PAGES[name].format(**records))
+        if name in VIEWS:
+            CONTROLS[name] = visited.evaluate(_COUNT_CONTROLS)
         _walk(visited, name, themes)
+
+
+CONTROLS: dict[str, int] = {}
+"""Number of controls of each view that was visited."""
+
+_COUNT_CONTROLS = """() => [
+    ...document.querySelectorAll("#content :is(button, input:not([type=hidden]), textarea)"),
+].filter((one) => one.offsetParent !== null && !one.closest("table, .js-plotly-plot")).length"""
+
+
+def test_views_and_their_controls_are_few():
+    assert len(VIEWS) <= 60
+    assert len([name for name in VIEWS if name.startswith("runs-one")]) == 4
+    if len(CONTROLS) < len(VIEWS):
+        pytest.skip("not every view was visited")
+    assert statistics.median(CONTROLS.values()) <= 15, sorted(CONTROLS.items())
 
 
 def _open(page: Page, name: str, address: str) -> None:
@@ -214,9 +234,16 @@ _FIGURES_FIT = """() => [...document.querySelectorAll(".js-plotly-plot")].every(
         || Math.abs(plot._fullLayout.width - plot.clientWidth) < 1)"""  # rounded to pixels
 
 
+_LOADED_MORE = "count => document.querySelectorAll('[data-loaded=false]').length < count"
+
+
 def _settled(page: Page) -> None:
-    """Wait until everything is loaded and every figure is drawn."""
+    """Wait until all sections are loaded and every figure is drawn."""
     expect(page.get_by_role("heading", level=1)).to_be_visible()
+    expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=PATIENCE_MS)
+    while unloaded := page.locator("[data-loaded=false]").count():
+        page.evaluate("document.querySelector('[data-loaded=false]')?.scrollIntoView()")
+        page.wait_for_function(_LOADED_MORE, arg=unloaded)
     expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=PATIENCE_MS)
     expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=PATIENCE_MS)
     expect(page.get_by_test_id("job-wait")).to_have_count(0, timeout=PATIENCE_MS)

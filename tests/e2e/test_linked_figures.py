@@ -42,7 +42,8 @@ def test_fits_that_are_compared_share_zoom_and_cursor(page: Page):
     for place in (0, 1):
         expect(fits.nth(place)).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
     _brush(page, fits.first, 0.1, 0.3)
-    expect(page.get_by_test_id("band-bar")).to_contain_text("Hz")
+    section = page.get_by_role("region", name="Poles and fits", exact=True)
+    expect(section.get_by_test_id("band-bar")).to_contain_text("Hz")
     ranges = [
         fits.nth(place).locator(".js-plotly-plot").evaluate("plot => plot.layout.xaxis.range")
         for place in (0, 1)

@@ -74,7 +74,7 @@ def _look_at_maneuver(page: Page) -> None:
     page.get_by_test_id("campaign-table").locator("tbody tr a.link").first.click()
     _drawn(page, "time-history")
     _shoot(page, "maneuver-time")
-    for tab, figure in (("spectra", "spectrum"), ("inputs", "plot-matrix"), ("bode", "bode")):
+    for tab, figure in (("spectra", "spectrum"), ("bode", "bode")):
         page.get_by_test_id(f"tab-{tab}").click()
         _drawn(page, figure)
         _shoot(page, f"maneuver-{tab}")
@@ -105,16 +105,17 @@ def _read_run(page: Page, method: str) -> None:
     parameters = page.get_by_test_id("parameter-table").locator("tbody tr")
     expect(parameters).to_have_count(44)
     _shoot(page, f"run-{method}-parameters")
-    for tab, figure in (
-        ("fit", "fit"),
-        ("residuals", "residual"),
-        ("correlation", "parameter-correlation"),
-        ("poles", "poles"),
-        ("iterations", "iterations"),
+    for tab, section, figure in (
+        ("fit", "Over frequency", "fit"),
+        ("fit", "Residuals", "residual"),
+        ("result", "Correlation", "parameter-correlation"),
+        ("result", "Poles", "poles"),
+        ("record", "Iterations", "iterations"),
     ):
         page.get_by_test_id(f"tab-{tab}").click()
+        page.get_by_role("navigation", name="Sections").get_by_role("link", name=section).click()
         _drawn(page, figure)
-        _shoot(page, f"run-{method}-{tab}")
+        _shoot(page, f"run-{method}-{figure}")
     page.get_by_role("navigation", name="Main").wait_for()
     page.locator(".page").get_by_role("link", name=re.compile("FTA|506|ight")).last.click()
     page.get_by_test_id("tab-runs").click()

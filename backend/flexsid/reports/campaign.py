@@ -28,7 +28,6 @@ from flexsid.reports.content import (
     shown,
 )
 from flexsid.reports.credibility import report_version_credibility
-from flexsid.storage.campaign_rows import SORT_FIELDS, select_qualities
 from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.workflow.global_model.versions import (
@@ -41,8 +40,6 @@ from flexsid.workflow.quality.ground_records import compare_all_ground_records
 from flexsid.workflow.review.evidence import list_software_versions
 
 # --- Report of a campaign: maneuvers, estimates, flutter prediction, ground tests -----------------
-
-_ALL = 1_000_000
 
 
 def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
@@ -73,7 +70,7 @@ def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
                 ),
             ),
             Section("Flights", (_list_flights(store, flown),)),
-            Section("Maneuvers", (_list_maneuvers(flown, _read_quality(store)),)),
+            Section("Maneuvers", (_list_maneuvers(flown),)),
             *report_estimates(store, flown),
             Section(
                 "Ground tests", _summarise_ground_tests(store, {item.flight_id for item in flown})
@@ -143,13 +140,7 @@ def _list_flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
     )
 
 
-def _read_quality(store: Store) -> dict[int, str]:
-    with store.database.reading() as connection:
-        page = select_qualities(connection, {}, SORT_FIELDS[0], _ALL, None)
-    return {item.maneuver_id: item.verdict.value for item in page.items if item.verdict is not None}
-
-
-def _list_maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> ReportTable:
+def _list_maneuvers(flown: list[ManeuverItem]) -> ReportTable:
     rows = []
     for item in flown:
         rows.append(
@@ -161,7 +152,7 @@ def _list_maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> Repo
                 "–" if item.airspeed_ratio is None else f"{item.airspeed_ratio:.3f}",
                 converted(item.dynamic_pressure_pa, "Pa"),
                 f"{item.fuel_fraction:.2f}",
-                verdicts.get(item.id, "–"),
+                "–" if item.verdict is None else item.verdict.value,
                 listed(_format_method(method, run) for method, run in item.runs.items() if run),
             )
         )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, TypedDict
+from typing import Annotated, TypedDict
 
 import sqlalchemy as sa
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 from sqlalchemy.engine import Connection
 
 from flexsid.errors import Conflict
@@ -17,13 +17,21 @@ from flexsid.records.quality import Figures, QualityVerdict
 from flexsid.records.run import RunState
 from flexsid.storage.list_query import ListQuery, Page
 from flexsid.storage.maneuver_list import (
-    FLOWN,
+    ASSESSED,
+    ASSESSED_COLUMNS,
+    FIGURES,
     FLOWN_COLUMNS,
     FLOWN_FILTERS,
     FLOWN_SWITCHES,
+    MISSING,
+    SEVERITY,
+    SORTABLE_QUALITY,
     FlownItem,
     IdFilter,
+    VerdictFilter,
     contains_text,
+    has_verdict,
+    read_assessment,
 )
 from flexsid.storage.tables import decisions, flights, jobs, maneuver_quality, maneuvers, runs
 
@@ -104,9 +112,6 @@ def list_failed_jobs(
 
 # --- Data quality of a campaign: the maneuvers with their verdicts, worst first -------------------
 
-MISSING = "missing"
-"""Verdict of a maneuver that is not checked."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QualityItem(FlownItem):
@@ -124,56 +129,28 @@ class QualityFilters(TypedDict, total=False):
 
     aircraft_id: IdFilter
     flight_id: IdFilter
-    verdict: Annotated[
-        Literal["good", "questionable", "bad", "unchecked", "missing"] | None,
-        Field(description="`missing`: maneuvers not assessed yet."),
-    ]
+    verdict: VerdictFilter
     search: Annotated[str | None, Field(max_length=200)]
 
 
 _shown = (*FLOWN_COLUMNS, maneuvers.c.id.label("maneuver_id"), maneuvers.c.label)
-_assessed = (maneuver_quality.c.verdict, maneuver_quality.c.summary, maneuver_quality.c.figures)
-_severity = sa.case(
-    (maneuver_quality.c.verdict == QualityVerdict.BAD.value, 0),
-    (maneuver_quality.c.verdict == QualityVerdict.QUESTIONABLE.value, 1),
-    (maneuver_quality.c.verdict == QualityVerdict.UNCHECKED.value, 2),
-    (maneuver_quality.c.verdict == QualityVerdict.GOOD.value, 4),
-    else_=3,
-)
-_figure = {
-    name: maneuver_quality.c.figures[name].as_float()
-    for name in (
-        *("signal_to_noise_db", "largest_skew_s", "least_coherence", "n_stretches", "saturated"),
-        *("max_input_correlation", "fuel_change", "airspeed_drift"),
-    )
-}
-_read_figures = TypeAdapter(Figures)
-
-
-def _has_verdict(verdict: str) -> sa.ColumnElement[bool]:
-    if verdict == MISSING:
-        return maneuver_quality.c.id.is_(None)
-    return maneuver_quality.c.verdict == verdict
-
 
 _list = ListQuery(
-    source=FLOWN.outerjoin(maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id),
+    source=ASSESSED,
     key=maneuvers.c.id,
     filters={
         **FLOWN_FILTERS,
-        "verdict": _has_verdict,
+        "verdict": has_verdict,
         "search": lambda text: contains_text(text, maneuvers.c.label, maneuver_quality.c.summary),
     },
     switches=FLOWN_SWITCHES,
     sortable={
-        "verdict": _severity,
+        **SORTABLE_QUALITY,
         "label": maneuvers.c.label,
         "flight_number": flights.c.number,
         "airspeed_ratio": maneuvers.c.airspeed_ratio,
-        **_figure,
-        "largest_skew_s": sa.func.abs(_figure["largest_skew_s"]),
     },
-    ties=(_severity, maneuvers.c.id),
+    ties=(SEVERITY, maneuvers.c.id),
 )
 SORT_FIELDS = _list.sort_fields
 
@@ -186,7 +163,7 @@ def select_qualities(
     after: str | None,
 ) -> Page[QualityItem]:
     """Read one page of the list; see ``ListQuery.read_page``."""
-    page = _list.read_page(connection, (*_shown, *_assessed), filters, sort, limit, after)
+    page = _list.read_page(connection, (*_shown, *ASSESSED_COLUMNS), filters, sort, limit, after)
     return Page(items=[_make_item(row) for row in page.items], next=page.next)
 
 
@@ -211,7 +188,7 @@ def list_unassessed(connection: Connection) -> list[int]:
 
 def list_fuel_rates(connection: Connection, aircraft_id: int, most: int = 100) -> list[float]:
     """List the fuel burnt per second in the latest assessed maneuvers of an aircraft. [1/s]"""
-    change = _figure["fuel_change"]
+    change = FIGURES["fuel_change"]
     query = (
         sa.select(change / maneuvers.c.duration_s)
         .join_from(maneuvers, maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id)
@@ -223,12 +200,8 @@ def list_fuel_rates(connection: Connection, aircraft_id: int, most: int = 100) -
 
 
 def _make_item(row: sa.RowMapping) -> QualityItem:
-    verdict, figures = row["verdict"], row["figures"]
     return QualityItem(
-        **{column.name: row[column.name] for column in _shown},
-        verdict=None if verdict is None else QualityVerdict(verdict),
-        summary=row["summary"],
-        figures=None if figures is None else _read_figures.validate_python(figures),
+        **{column.name: row[column.name] for column in _shown}, **read_assessment(row)
     )
 
 

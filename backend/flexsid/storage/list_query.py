@@ -112,7 +112,7 @@ class Facet:
     their own labels.
     """
 
-    column: sa.Column[Any]
+    column: sa.ColumnElement[Any]
     label: sa.Column[Any] | None = None
 
     def read_labels(self, connection: Connection) -> dict[Any, Any] | None:

@@ -6,16 +6,24 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, Literal, TypedDict
 
 import sqlalchemy as sa
-from pydantic import Field
+from pydantic import Field, TypeAdapter
 from sqlalchemy.engine import Connection
 
 from flexsid.records.maneuver import GROUND
+from flexsid.records.quality import Figures, QualityVerdict
 from flexsid.records.run import Method, RunState
 from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery, Page, read_tags
-from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
+from flexsid.storage.tables import (
+    aircraft,
+    flights,
+    maneuver_quality,
+    maneuver_tags,
+    maneuvers,
+    runs,
+)
 from flexsid.text import LARGEST_ID
 
 IdFilter = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
@@ -45,7 +53,7 @@ class LatestRun:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ManeuverItem(FlownItem):
-    """One item of the list."""
+    """One item of the list; verdict, summary and figures of its data are None until assessed."""
 
     id: int
     label: str
@@ -57,6 +65,9 @@ class ManeuverItem(FlownItem):
     n_runs: int
     runs: dict[Method, LatestRun | None]
     tags: tuple[str, ...]
+    verdict: QualityVerdict | None
+    summary: str | None
+    figures: Figures | None
     created_at: datetime
     deleted_at: datetime | None
 
@@ -73,13 +84,23 @@ class FlownFilters(TypedDict, total=False):
     max_fuel: NumberFilter
 
 
+VerdictFilter = Annotated[
+    Literal["good", "questionable", "bad", "unchecked", "missing"] | None,
+    Field(description="`missing`: maneuvers not assessed yet."),
+]
+
+
 class ManeuverFilters(FlownFilters, total=False):
     """Filters of the list; None is no filter."""
 
     search: Annotated[
         str | None,
-        Field(max_length=200, description="Text contained in label, note, file or aircraft."),
+        Field(
+            max_length=200,
+            description="Text contained in label, note, file, aircraft or quality summary.",
+        ),
     ]
+    verdict: VerdictFilter
     method: Annotated[Method | None, Field(description="Only maneuvers with a run of this method.")]
     state: Annotated[
         RunState | None, Field(description="State of the newest run, of `method` or of any.")
@@ -147,6 +168,54 @@ FLOWN_SWITCHES = {"ground": (_on_ground, ~_on_ground), "deleted": (_is_deleted, 
 FLOWN = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
     aircraft, aircraft.c.id == maneuvers.c.aircraft_id
 )
+# --- Data quality of maneuvers, the worst first ---------------------------------------------------
+
+MISSING = "missing"
+"""Verdict of a maneuver that is not checked."""
+
+ASSESSED = FLOWN.outerjoin(maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id)
+ASSESSED_COLUMNS = tuple(maneuver_quality.c[name] for name in ("verdict", "summary", "figures"))
+SEVERITY = sa.case(
+    (maneuver_quality.c.verdict == QualityVerdict.BAD.value, 0),
+    (maneuver_quality.c.verdict == QualityVerdict.QUESTIONABLE.value, 1),
+    (maneuver_quality.c.verdict == QualityVerdict.UNCHECKED.value, 2),
+    (maneuver_quality.c.verdict == QualityVerdict.GOOD.value, 4),
+    else_=3,
+)
+FIGURES = {
+    name: maneuver_quality.c.figures[name].as_float()
+    for name in (
+        *("signal_to_noise_db", "largest_skew_s", "least_coherence", "n_stretches", "saturated"),
+        *("max_input_correlation", "fuel_change", "airspeed_drift"),
+    )
+}
+SORTABLE_QUALITY = {
+    **FIGURES,
+    "verdict": SEVERITY,
+    "largest_skew_s": sa.func.abs(FIGURES["largest_skew_s"]),
+}
+_read_figures = TypeAdapter(Figures)
+
+
+def has_verdict(verdict: str) -> sa.ColumnElement[bool]:
+    """Return the condition of a verdict, or that a maneuver has none."""
+    if verdict == MISSING:
+        return maneuver_quality.c.id.is_(None)
+    return maneuver_quality.c.verdict == verdict
+
+
+def read_assessment(row: sa.RowMapping) -> dict[str, Any]:
+    """Return verdict, summary and figures of a row with ``ASSESSED_COLUMNS``."""
+    verdict, figures = row["verdict"], row["figures"]
+    return {
+        "verdict": None if verdict is None else QualityVerdict(verdict),
+        "summary": row["summary"],
+        "figures": None if figures is None else _read_figures.validate_python(figures),
+    }
+
+
+# --- The list -------------------------------------------------------------------------------------
+
 _shown = (
     *FLOWN_COLUMNS,
     *(maneuvers.c.id, maneuvers.c.label, maneuvers.c.axis, maneuvers.c.duration_s),
@@ -163,7 +232,8 @@ def contains_text(text: str, *columns: sa.ColumnElement[Any]) -> sa.ColumnElemen
 
 def _mentions(text: str) -> sa.ColumnElement[bool]:
     columns = maneuvers.c
-    return contains_text(text, columns.label, columns.note, columns.source_file, aircraft.c.name)
+    named = (columns.label, columns.note, columns.source_file, aircraft.c.name)
+    return contains_text(text, *named, maneuver_quality.c.summary)
 
 
 def _select_by_runs(filters: Mapping[str, Any]) -> Conditions:
@@ -175,17 +245,26 @@ def _select_by_runs(filters: Mapping[str, Any]) -> Conditions:
 
 
 _list = ListQuery(
-    source=FLOWN,
+    source=ASSESSED,
     key=maneuvers.c.id,
-    filters={**FLOWN_FILTERS, "search": _mentions},
+    filters={**FLOWN_FILTERS, "search": _mentions, "verdict": has_verdict},
     switches=FLOWN_SWITCHES,
     combined=_select_by_runs,
     sortable={
-        column.name: column
-        for column in _shown
-        if column.name not in ("flight_id", "aircraft_id", "deleted_at")
+        **SORTABLE_QUALITY,
+        **{
+            column.name: column
+            for column in _shown
+            if column.name not in ("flight_id", "aircraft_id", "deleted_at")
+        },
     },
-    facets=FLOWN_FACETS,
+    facets={
+        **FLOWN_FACETS,
+        # As text, not as a parameter: PostgreSQL takes two parameters for two expressions.
+        "verdict": Facet(
+            column=sa.func.coalesce(maneuver_quality.c.verdict, sa.literal_column(f"'{MISSING}'"))
+        ),
+    },
     tags=maneuver_tags,
 )
 SORT_FIELDS = _list.sort_fields
@@ -199,7 +278,8 @@ def select_maneuvers(
     after: str | None,
 ) -> Page[ManeuverItem]:
     """Read one page of the list; see ``ListQuery.read_page``."""
-    page = _list.read_page(connection, (*_shown, *_newest_columns), filters, sort, limit, after)
+    columns = (*_shown, *ASSESSED_COLUMNS, *_newest_columns)
+    page = _list.read_page(connection, columns, filters, sort, limit, after)
     tags = read_tags(connection, maneuver_tags, [row["id"] for row in page.items])
     return Page(items=[_make_item(row, tags[row["id"]]) for row in page.items], next=page.next)
 
@@ -216,7 +296,7 @@ def _count_by_runs(connection: Connection, filters: ManeuverFilters) -> dict[str
     """Count by newest runs: a maneuver counts for the method and the state of each."""
     selected = (
         sa.select(maneuvers.c.id)
-        .select_from(FLOWN)
+        .select_from(_list.source)
         .where(*_list.where({**filters, "method": None, "state": None}))
     )
     newest_states = (
@@ -273,4 +353,5 @@ def _make_item(row: sa.RowMapping, tags: list[str]) -> ManeuverItem:
             for method in Method
         },
         tags=tuple(tags),
+        **read_assessment(row),
     )

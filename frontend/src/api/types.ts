@@ -230,6 +230,9 @@ export interface FigureSpec {
 export type Action = Schemas["Action"];
 export type ManyOf = "maneuvers" | "runs";
 
+/** Verdicts on the data of maneuvers; missing where they are not assessed. */
+export const VERDICTS = ["bad", "questionable", "unchecked", "good", "missing"] as const;
+
 export interface ManeuverFilters {
   search?: string;
   flight_id?: number;
@@ -238,6 +241,7 @@ export interface ManeuverFilters {
   max_airspeed_ratio?: number;
   min_fuel?: number;
   max_fuel?: number;
+  verdict?: (typeof VERDICTS)[number];
   method?: Method;
   state?: RunState;
   tag?: string;

@@ -180,7 +180,6 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                           <Link
                             to="/aircraft"
                             search={{ id: aircraft.id, prediction: one.id }}
-                            resetScroll={false}
                             className="link"
                           >
                             Lattice
@@ -214,7 +213,6 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
             void navigate({
               search: (previous) => ({ ...previous, ...change }),
               replace: true,
-              resetScroll: false,
             })
           }
         />

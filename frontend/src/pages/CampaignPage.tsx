@@ -1,4 +1,4 @@
-import { Stack } from "@mantine/core";
+import { Group, SegmentedControl, Stack } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
@@ -13,11 +13,15 @@ import { ListFoot } from "../components/controls/ListFoot";
 import { Loaded } from "../components/display/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/maneuvers/ManeuverFilters";
 import { ManeuverList } from "../components/maneuvers/ManeuverList";
+import { AssessButton } from "../components/maneuvers/QualityAssessment";
+import { CampaignCoverage, CampaignWarnings } from "../components/maneuvers/CampaignCoverage";
 import { PageHead } from "../components/frame/PageHead";
+import { Sections } from "../components/frame/SectionTabs";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { SavedViews } from "../components/controls/SavedViews";
 import { count } from "../lib/format";
-import type { CampaignView } from "../views";
+import { oneOf } from "../lib/urlState";
+import { CAMPAIGN_COLUMNS, type CampaignView } from "../views";
 
 const route = getRouteApi("/campaign");
 
@@ -26,7 +30,8 @@ export function CampaignPage() {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const filters = apiFilters(view);
-  const sort = view.sort ?? "id";
+  const usual = view.columns === "quality" ? "verdict" : "id";
+  const sort = view.sort ?? usual;
   const list = useInfiniteQuery(maneuversQuery(filters, sort));
   const facets = useQuery(maneuverFacetsQuery(filters));
   const shown = list.data?.pages.flatMap((page) => page.items) ?? [];
@@ -38,6 +43,68 @@ export function CampaignPage() {
   );
   const filtered = Object.values(filters).some((value) => value !== undefined);
 
+  const table = (
+    <div className="campaign">
+      <Stack gap="sm">
+        <ManeuverFilters view={view} choices={facets.data?.choices} onChange={change} />
+        <Group justify="space-between">
+          <SegmentedControl
+            aria-label="Columns"
+            data={[
+              { value: "runs", label: "Condition and runs" },
+              { value: "quality", label: "Data quality" },
+            ]}
+            value={view.columns ?? "runs"}
+            onChange={(next) => {
+              change({ columns: oneOf(next, CAMPAIGN_COLUMNS), sort: undefined });
+            }}
+          />
+          {view.columns === "quality" && <AssessButton />}
+        </Group>
+        <div className="panel">
+          <Loaded query={list} rows={12}>
+            {() =>
+              shown.length === 0 ? (
+                <Nothing filtered={filtered} />
+              ) : (
+                <ManeuverList
+                  columns={view.columns}
+                  maneuvers={shown}
+                  selected={selected}
+                  onSelect={(ids) => {
+                    change({ selected: ids.length > 0 ? ids : undefined });
+                  }}
+                  sort={sort}
+                  onSort={(next) => {
+                    change({ sort: next === usual ? undefined : next });
+                  }}
+                />
+              )
+            }
+          </Loaded>
+        </div>
+        <ListFoot
+          counts={
+            list.data === undefined
+              ? ""
+              : `${shown.length} of ${count(facets.data?.total ?? shown.length, "maneuver")}`
+          }
+          testId="maneuver-count"
+          list={list}
+        />
+      </Stack>
+      <aside className="panel" style={{ padding: 12 }}>
+        <Figure
+          kind="envelope"
+          title="Envelope"
+          params={{ ...filters }}
+          height={360}
+          revision="envelope"
+          onPick={(id) => void navigate({ to: "/maneuvers/$id", params: { id }, search: {} })}
+        />
+      </aside>
+    </div>
+  );
   return (
     <>
       <PageHead
@@ -67,51 +134,17 @@ export function CampaignPage() {
       />
       <CampaignProgress />
       <GroundTestAlarm />
-      <div className="campaign">
-        <Stack gap="sm">
-          <ManeuverFilters view={view} choices={facets.data?.choices} onChange={change} />
-          <div className="panel">
-            <Loaded query={list} rows={12}>
-              {() =>
-                shown.length === 0 ? (
-                  <Nothing filtered={filtered} />
-                ) : (
-                  <ManeuverList
-                    maneuvers={shown}
-                    selected={selected}
-                    onSelect={(ids) => {
-                      change({ selected: ids.length > 0 ? ids : undefined });
-                    }}
-                    sort={sort}
-                    onSort={(next) => {
-                      change({ sort: next === "id" ? undefined : next });
-                    }}
-                  />
-                )
-              }
-            </Loaded>
-          </div>
-          <ListFoot
-            counts={
-              list.data === undefined
-                ? ""
-                : `${shown.length} of ${count(facets.data?.total ?? shown.length, "maneuver")}`
-            }
-            testId="maneuver-count"
-            list={list}
-          />
-        </Stack>
-        <aside className="panel" style={{ padding: 12 }}>
-          <Figure
-            kind="envelope"
-            title="Envelope"
-            params={{ ...filters }}
-            height={360}
-            revision="envelope"
-            onPick={(id) => void navigate({ to: "/maneuvers/$id", params: { id }, search: {} })}
-          />
-        </aside>
-      </div>
+      <Sections
+        names={["maneuvers", "coverage", "warnings"]}
+        contents={{
+          maneuvers: ["Maneuvers", table],
+          coverage: [
+            "Derivatives over the envelope",
+            <CampaignCoverage view={view} onChange={change} />,
+          ],
+          warnings: ["Open warnings", <CampaignWarnings view={view} />],
+        }}
+      />
     </>
   );
 }

@@ -1,10 +1,8 @@
-import { Button, Tabs } from "@mantine/core";
+import { Button } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import type { ComponentType } from "react";
 import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
-import { ButtonLink } from "../components/controls/ButtonLink";
 import { CompareAgreement } from "../components/comparison/CompareAgreement";
 import {
   CompareDerivatives,
@@ -14,11 +12,13 @@ import {
 import { ComparePoles, CompareResponses } from "../components/comparison/CompareModels";
 import { CompareSetup } from "../components/comparison/CompareSetup";
 import { CompareTime } from "../components/comparison/CompareTime";
+import { CompareValidation } from "../components/comparison/CompareValidation";
 import { CompareTrends } from "../components/comparison/CompareTrends";
 import { Empty } from "../components/display/Empty";
 import { usePrefetchedFigure } from "../components/figures/Figure";
 import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
+import { SectionTabs, type SectionContents } from "../components/frame/SectionTabs";
 import { PredictLinks } from "../components/runs/PredictLinks";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { SavedViews } from "../components/controls/SavedViews";
@@ -69,9 +69,6 @@ export function ComparePage() {
                   query={{ run_ids: runs, prediction_ids: predictions }}
                 />
                 <ExportButton comparison={shown} />
-                <ButtonLink to="/validation" search={{ runs }} variant="default">
-                  Validate
-                </ButtonLink>
                 <PredictLinks runs={runs} />
               </>
             )}
@@ -108,48 +105,37 @@ export function ComparePage() {
   );
 }
 
-const TABS: Record<(typeof COMPARE_TABS)[number], string> = {
+const TAB_NAMES = {
   derivatives: "Derivatives",
-  agreement: "Agreement",
   trends: "Trends",
-  responses: "Responses",
-  poles: "Poles and fits",
-  time: "Time",
-  setup: "Setup",
+  responses: "Models",
+  validation: "Validation",
 };
 
-const CONTENT: Record<(typeof COMPARE_TABS)[number], ComponentType<CompareTabProps>> = {
-  derivatives: CompareDerivatives,
-  agreement: CompareAgreement,
-  trends: CompareTrends,
-  responses: CompareResponses,
-  poles: ComparePoles,
-  time: CompareTime,
-  setup: CompareSetup,
-};
+type CompareSection = (typeof COMPARE_TABS)[keyof typeof COMPARE_TABS][number];
 
 function Compared(props: CompareTabProps) {
-  const tab = props.view.tab ?? "derivatives";
-  const Content = CONTENT[tab];
+  const contents: SectionContents<CompareSection> = {
+    derivatives: ["Derivatives", <CompareDerivatives {...props} />],
+    agreement: ["Agreement", <CompareAgreement {...props} />],
+    setup: ["Setup differences", <CompareSetup {...props} />],
+    trends: ["Trends", <CompareTrends {...props} />],
+    responses: ["Frequency responses", <CompareResponses {...props} />],
+    poles: ["Poles and fits", <ComparePoles {...props} />],
+    time: ["Time histories", <CompareTime {...props} />],
+    validation: ["Predictions and held-out data", <CompareValidation {...props} />],
+  };
   return (
-    <Tabs
-      value={tab}
-      style={{ minWidth: 0 }}
-      onChange={(next) => {
-        props.onChange({ tab: COMPARE_TABS.find((one) => one === next) });
+    <SectionTabs
+      label="Comparison"
+      sections={COMPARE_TABS}
+      titles={TAB_NAMES}
+      contents={contents}
+      tab={props.view.tab ?? "derivatives"}
+      onTab={(tab) => {
+        props.onChange({ tab });
       }}
-    >
-      <Tabs.List mb="md">
-        {COMPARE_TABS.map((one) => (
-          <Tabs.Tab key={one} value={one} data-testid={`tab-${one}`}>
-            {TABS[one]}
-          </Tabs.Tab>
-        ))}
-      </Tabs.List>
-      <Tabs.Panel value={tab}>
-        <Content {...props} />
-      </Tabs.Panel>
-    </Tabs>
+    />
   );
 }
 

@@ -50,7 +50,6 @@ function Sheet({ sheet }: { sheet: ConditionSheet }) {
     void navigate({
       search: (before) => ({ ...before, ...part }),
       replace: true,
-      resetScroll: false,
     });
   const [isPrinting, setPrinting] = useState(false);
   const neighbours = useNeighbours(sheet);

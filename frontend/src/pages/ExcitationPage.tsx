@@ -68,6 +68,21 @@ const DESIGN_COLUMNS: Column<Design>[] = [
     render: (design) => dateTime(design.created_at),
   },
   {
+    key: "preflight",
+    header: "Pre-flight",
+    render: (design) => (
+      <Link
+        to="/excitation/$id"
+        params={{ id: design.id }}
+        search={{ tab: "preflight-simulation" }}
+        className="link"
+        aria-label={`Pre-flight simulation of ${design.name}`}
+      >
+        simulate
+      </Link>
+    ),
+  },
+  {
     key: "files",
     header: "Medium amplitude as",
     render: (design) => (

@@ -12,7 +12,6 @@ import type { QueryValue } from "../api/client";
 import type { Flutter, Prediction } from "../api/types";
 import { useConversion } from "../api/units";
 import { useStoredResult } from "../api/useStoredResult";
-import { ButtonLink } from "../components/controls/ButtonLink";
 import { DataTable, numeric, type Column } from "../components/controls/DataTable";
 import { DerivedRuns } from "../components/runs/DerivedRuns";
 import { NumberField } from "../components/controls/NumberField";
@@ -27,6 +26,10 @@ import { JobWait } from "../components/jobs/JobWait";
 import { Loaded } from "../components/display/Loaded";
 import { AdequacyBadge } from "../components/runs/ModelAdequacy";
 import { PageHead } from "../components/frame/PageHead";
+import { SectionTabs, type SectionContents } from "../components/frame/SectionTabs";
+import { ClosedLoop } from "../components/predictions/ClosedLoop";
+import { NewController } from "../components/predictions/NewController";
+import { useControllersOf } from "../components/predictions/useControllersOf";
 import { PredictionAxisPicker } from "../components/predictions/PredictionAxisPicker";
 import { StoredPredictedFlutter } from "../components/predictions/PredictedFlutter";
 import { ProblemAlert } from "../components/display/ProblemAlert";
@@ -41,7 +44,7 @@ import { ReportMenu } from "../components/controls/ReportMenu";
 import { Section } from "../components/display/Section";
 import { converted, fixed, hertz, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
-import type { FlutterView } from "../views";
+import { FLUTTER_TABS, type FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
 
@@ -54,7 +57,11 @@ const ALONG = [
 /** Flutter prediction of the identified models, and the margin of the next test point. */
 export function FlutterPage() {
   const search = route.useSearch();
-  const { view, approved } = useDefaultRuns(search, search.prediction === undefined);
+  const tab = search.tab ?? "flutter";
+  const { view, approved } = useDefaultRuns(
+    search,
+    tab === "closed-loop" || search.prediction === undefined,
+  );
   const navigate = route.useNavigate();
   const runs = view.runs ?? [];
   const query = {
@@ -65,8 +72,12 @@ export function FlutterPage() {
     unmodelled_modes: view.unmodelled_modes,
     variation: view.variation,
   };
-  const { result, jobId, error, onEnd, compute } = useStoredResult(flutterResult(query));
+  const { result, jobId, error, onEnd, compute } = useStoredResult(
+    flutterResult(tab === "flutter" ? query : { run_ids: "" }),
+  );
   const ready = result.data !== undefined;
+  const known = useControllersOf(view.runs?.[0]);
+  const controller = view.controller ?? known[0]?.id;
   const alone = runs.length === 0 && view.prediction !== undefined;
   // Beside flight: in the same axis, at the same loading, air density and airspeeds.
   const beside = result.data && {
@@ -84,6 +95,72 @@ export function FlutterPage() {
   const predicted = useStoredResult(predictedFlutterResult(ofPrediction));
   const change = (part: Partial<FlutterView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
+  const flutter = alone ? (
+    <Stack gap="md">
+      <StoredPredictedFlutter stored={predicted} />
+      {predicted.result.data !== undefined && ofPrediction !== undefined && (
+        <>
+          <div className="panel" style={{ padding: 12 }}>
+            <Figure
+              kind="predicted-v-omega-zeta"
+              title="Frequency and damping of the prediction"
+              params={ofPrediction}
+            />
+          </div>
+          <div className="panel" style={{ padding: 12 }}>
+            <Figure
+              kind="predicted-root-locus"
+              title="Root locus of the prediction"
+              params={ofPrediction}
+            />
+          </div>
+        </>
+      )}
+    </Stack>
+  ) : runs.length === 0 ? (
+    <div className="panel">
+      <Empty title="No runs selected">
+        Select succeeded runs, preferably at several airspeeds. Runs of one model structure are
+        fused; other structures show the sensitivity to the structure. A prediction alone gives
+        flutter without flight.
+      </Empty>
+    </div>
+  ) : (
+    <Stack gap="md">
+      <ApprovedModelNote version={approved} />
+      <ComputeButton compute={compute} />
+      {error !== null && <ProblemAlert error={error} />}
+      {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+      {compute === undefined && jobId === undefined && error === null && (
+        <Loaded query={result} rows={6}>
+          {(data) => <Prediction result={data} />}
+        </Loaded>
+      )}
+      {ready && view.prediction !== undefined && <StoredPredictedFlutter stored={predicted} />}
+      {ready && (
+        <Figures
+          query={query}
+          predictionId={predicted.result.data === undefined ? undefined : view.prediction}
+          along={view.along}
+          onAlong={(along) => {
+            change({ along });
+          }}
+        />
+      )}
+      {ready && <Details result={result.data} shown={query} />}
+    </Stack>
+  );
+  const contents: SectionContents<keyof typeof FLUTTER_TABS> = {
+    flutter: ["Flutter", flutter],
+    "closed-loop": [
+      "Closed loop",
+      <ClosedLoop
+        query={{ ...query, next_m_s: undefined }}
+        controller={controller}
+        approved={approved}
+      />,
+    ],
+  };
   return (
     <>
       <PageHead
@@ -93,84 +170,27 @@ export function FlutterPage() {
             Campaign
           </Link>,
         ]}
-        actions={
-          <>
-            {ready && <ReportMenu of="flutter" query={query} />}
-            <ButtonLink
-              variant="default"
-              to="/closed-loop"
-              search={{
-                runs: view.runs,
-                fuel: view.fuel,
-                altitude: view.altitude,
-                unmodelled_modes: view.unmodelled_modes,
-                variation: view.variation,
-              }}
-            >
-              Closed loop
-            </ButtonLink>
-          </>
-        }
+        actions={ready && <ReportMenu of="flutter" query={query} />}
       />
       <div className="split">
-        <Choices view={view} result={result.data} onChange={change} />
-        {alone ? (
-          <Stack gap="md">
-            <StoredPredictedFlutter stored={predicted} />
-            {predicted.result.data !== undefined && ofPrediction !== undefined && (
-              <>
-                <div className="panel" style={{ padding: 12 }}>
-                  <Figure
-                    kind="predicted-v-omega-zeta"
-                    title="Frequency and damping of the prediction"
-                    params={ofPrediction}
-                  />
-                </div>
-                <div className="panel" style={{ padding: 12 }}>
-                  <Figure
-                    kind="predicted-root-locus"
-                    title="Root locus of the prediction"
-                    params={ofPrediction}
-                  />
-                </div>
-              </>
-            )}
-          </Stack>
-        ) : runs.length === 0 ? (
-          <div className="panel">
-            <Empty title="No runs selected">
-              Select succeeded runs, preferably at several airspeeds. Runs of one model structure
-              are fused; other structures show the sensitivity to the structure. A prediction alone
-              gives flutter without flight.
-            </Empty>
-          </div>
-        ) : (
-          <Stack gap="md">
-            <ApprovedModelNote version={approved} />
-            <ComputeButton compute={compute} />
-            {error !== null && <ProblemAlert error={error} />}
-            {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
-            {compute === undefined && jobId === undefined && error === null && (
-              <Loaded query={result} rows={6}>
-                {(data) => <Prediction result={data} />}
-              </Loaded>
-            )}
-            {ready && view.prediction !== undefined && (
-              <StoredPredictedFlutter stored={predicted} />
-            )}
-            {ready && (
-              <Figures
-                query={query}
-                predictionId={predicted.result.data === undefined ? undefined : view.prediction}
-                along={view.along}
-                onAlong={(along) => {
-                  change({ along });
-                }}
-              />
-            )}
-            {ready && <Details result={result.data} shown={query} />}
-          </Stack>
-        )}
+        <Choices
+          view={view}
+          tab={tab}
+          controllers={known}
+          controller={controller}
+          result={result.data}
+          onChange={change}
+        />
+        <SectionTabs
+          label="Flutter"
+          sections={FLUTTER_TABS}
+          titles={{ flutter: "Flutter", "closed-loop": "Closed loop" }}
+          contents={contents}
+          tab={tab}
+          onTab={(next) => {
+            change({ tab: next });
+          }}
+        />
       </div>
     </>
   );
@@ -228,11 +248,14 @@ const hasBothAxes = (prediction: Prediction | undefined) =>
 
 interface ChoicesProps {
   view: FlutterView;
+  tab: keyof typeof FLUTTER_TABS;
+  controllers: ReturnType<typeof useControllersOf>;
+  controller: number | undefined;
   result: Flutter | undefined;
   onChange: (change: Partial<FlutterView>) => void;
 }
 
-function Choices({ view, result, onChange }: ChoicesProps) {
+function Choices({ view, tab, controllers, controller, result, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
   const predictions = useQuery(predictionsQuery());
   const airspeed = useConversion()("m/s");
@@ -260,38 +283,53 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           onChange({ runs: integers(ids) });
         }}
       />
-      <Select
-        label="Prediction"
-        description="Its flutter, beside that of the runs or alone"
-        clearable
-        data-testid="flutter-prediction"
-        data={(predictions.data ?? [])
-          .filter((one) => one.names.some((name) => name.startsWith("CQ")))
-          .map((one) => ({ value: String(one.id), label: one.source }))}
-        value={view.prediction === undefined ? null : String(view.prediction)}
-        onChange={(id) => {
-          onChange({ prediction: id === null ? undefined : Number(id), axis: undefined });
-        }}
-      />
-      {(view.runs ?? []).length === 0 && hasBothAxes(prediction) && (
-        <PredictionAxisPicker
-          value={view.axis ?? "longitudinal"}
-          onChange={(axis) => {
-            onChange({ axis });
+      {tab === "closed-loop" ? (
+        <Select
+          label="Controller"
+          allowDeselect={false}
+          placeholder="No controllers yet"
+          data={controllers.map((one) => ({ value: String(one.id), label: one.name }))}
+          value={controller === undefined ? null : String(controller)}
+          onChange={(id) => {
+            onChange({ controller: id === null ? undefined : Number(id) });
           }}
         />
+      ) : (
+        <>
+          <Select
+            label="Prediction"
+            description="Its flutter, beside that of the runs or alone"
+            clearable
+            data-testid="flutter-prediction"
+            data={(predictions.data ?? [])
+              .filter((one) => one.names.some((name) => name.startsWith("CQ")))
+              .map((one) => ({ value: String(one.id), label: one.source }))}
+            value={view.prediction === undefined ? null : String(view.prediction)}
+            onChange={(id) => {
+              onChange({ prediction: id === null ? undefined : Number(id), axis: undefined });
+            }}
+          />
+          {(view.runs ?? []).length === 0 && hasBothAxes(prediction) && (
+            <PredictionAxisPicker
+              value={view.axis ?? "longitudinal"}
+              onChange={(axis) => {
+                onChange({ axis });
+              }}
+            />
+          )}
+          <NumberField
+            label="Next test point"
+            unit="m/s"
+            description="Default: 3 % above the highest airspeed flown"
+            placeholder={result && converted(result.next_m_s, airspeed.factor, 1)}
+            min={1}
+            value={view.next}
+            onChange={(value) => {
+              onChange({ next: value });
+            }}
+          />
+        </>
       )}
-      <NumberField
-        label="Next test point"
-        unit="m/s"
-        description="Default: 3 % above the highest airspeed flown"
-        placeholder={result && converted(result.next_m_s, airspeed.factor, 1)}
-        min={1}
-        value={view.next}
-        onChange={(value) => {
-          onChange({ next: value });
-        }}
-      />
       <OutOfBandSwitch
         value={view.unmodelled_modes}
         onChange={(unmodelled_modes) => {
@@ -325,6 +363,13 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           onChange({ altitude: value });
         }}
       />
+      {tab === "closed-loop" && (
+        <NewController
+          onSaved={(id) => {
+            onChange({ controller: id });
+          }}
+        />
+      )}
     </Stack>
   );
 }

@@ -1,4 +1,4 @@
-import { Tabs, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery } from "../api/queries";
@@ -9,9 +9,10 @@ import { Loaded } from "../components/display/Loaded";
 import { BodeTab } from "../components/maneuvers/BodeTab";
 import { CompatibilityTab } from "../components/maneuvers/CompatibilityTab";
 import { ManeuverRuns } from "../components/maneuvers/ManeuverRuns";
-import { Notes } from "../components/display/Notes";
+import { NotesButton } from "../components/display/Notes";
 import { OutputOnlyTab } from "../components/maneuvers/OutputOnlyTab";
 import { PageHead } from "../components/frame/PageHead";
+import { SectionTabs, type SectionContents } from "../components/frame/SectionTabs";
 import { PlotMatrixTab } from "../components/maneuvers/PlotMatrixTab";
 import { QualityTab } from "../components/maneuvers/QualityTab";
 import { ReconstructionTab } from "../components/maneuvers/ReconstructionTab";
@@ -23,18 +24,16 @@ import { MANEUVER_TABS, type ManeuverView } from "../views";
 
 const route = getRouteApi("/maneuvers/$id");
 
-const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
+const TAB_NAMES = {
   time: "Time histories",
   quality: "Quality",
-  compatibility: "Compatibility",
   spectra: "Spectra",
-  inputs: "Correlation",
   reconstruction: "Reconstruction",
-  bode: "Bode",
-  "transfer-function": "Transfer function",
-  "output-only": "Output-only modes",
+  bode: "Frequency responses",
   runs: "Runs",
 };
+
+type ManeuverSection = (typeof MANEUVER_TABS)[keyof typeof MANEUVER_TABS][number];
 
 /** One maneuver: time histories, quality, spectra, responses and runs. */
 export function ManeuverPage() {
@@ -50,10 +49,21 @@ export function ManeuverPage() {
 function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
-  const tab = view.tab ?? "time";
   const change = (part: Partial<ManeuverView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
-
+  const tabProps = { maneuver, view, onChange: change };
+  const contents: SectionContents<ManeuverSection> = {
+    time: ["Time histories", <TimeHistoryTab {...tabProps} />],
+    quality: ["Quality", <QualityTab {...tabProps} />],
+    compatibility: ["Compatibility", <CompatibilityTab maneuver={maneuver} />],
+    spectra: ["Spectra", <SpectraTab {...tabProps} />],
+    inputs: ["Correlation of channels", <PlotMatrixTab {...tabProps} />],
+    reconstruction: ["Reconstruction", <ReconstructionTab {...tabProps} />],
+    bode: ["Bode", <BodeTab {...tabProps} />],
+    "transfer-function": ["Transfer function", <TransferFunctionTab {...tabProps} />],
+    "output-only": ["Output-only modes", <OutputOnlyTab {...tabProps} />],
+    runs: ["Runs", <ManeuverRuns {...tabProps} />],
+  };
   return (
     <>
       <PageHead
@@ -73,13 +83,19 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
           </Text>
         }
         actions={
-          <ButtonLink
-            to="/maneuvers/$id/new-run"
-            params={{ id: maneuver.id }}
-            data-testid="new-run"
-          >
-            New run
-          </ButtonLink>
+          <>
+            <NotesButton
+              filter={{ maneuver_id: maneuver.id }}
+              topics={[{ subject: "maneuver", key: String(maneuver.id), label: maneuver.label }]}
+            />
+            <ButtonLink
+              to="/maneuvers/$id/new-run"
+              params={{ id: maneuver.id }}
+              data-testid="new-run"
+            >
+              New run
+            </ButtonLink>
+          </>
         }
       />
       <ConditionFacts maneuver={maneuver} />
@@ -88,57 +104,16 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
           {maneuver.note}
         </Text>
       )}
-      <Tabs
-        mt="lg"
-        value={tab}
-        onChange={(next) => {
-          change({ tab: MANEUVER_TABS.find((one) => one === next) });
+      <SectionTabs
+        label="Maneuver"
+        sections={MANEUVER_TABS}
+        titles={TAB_NAMES}
+        contents={contents}
+        tab={view.tab ?? "time"}
+        onTab={(tab) => {
+          change({ tab });
         }}
-      >
-        <Tabs.List aria-label="Maneuver">
-          {MANEUVER_TABS.map((name) => (
-            <Tabs.Tab key={name} value={name} data-testid={`tab-${name}`}>
-              {TAB_NAMES[name]}
-            </Tabs.Tab>
-          ))}
-        </Tabs.List>
-        <Tabs.Panel value="time" pt="md">
-          <TimeHistoryTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="quality" pt="md">
-          <QualityTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="compatibility" pt="md">
-          <CompatibilityTab maneuver={maneuver} />
-        </Tabs.Panel>
-        <Tabs.Panel value="reconstruction" pt="md">
-          <ReconstructionTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="spectra" pt="md">
-          <SpectraTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="inputs" pt="md">
-          <PlotMatrixTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="bode" pt="md">
-          <BodeTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="output-only" pt="md">
-          <OutputOnlyTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="transfer-function" pt="md">
-          <TransferFunctionTab maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-        <Tabs.Panel value="runs" pt="md">
-          <ManeuverRuns maneuver={maneuver} view={view} onChange={change} />
-        </Tabs.Panel>
-      </Tabs>
-      <div style={{ marginTop: 16 }}>
-        <Notes
-          filter={{ maneuver_id: maneuver.id }}
-          topics={[{ subject: "maneuver", key: String(maneuver.id), label: maneuver.label }]}
-        />
-      </div>
+      />
     </>
   );
 }

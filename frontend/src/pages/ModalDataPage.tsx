@@ -14,7 +14,7 @@ import { ShapesTab } from "../components/modes/ShapesTab";
 import { ModalFiles } from "../components/modes/ModalFiles";
 import { tableTitle, type TableProps } from "../components/modes/tables";
 import { VibrationTab } from "../components/modes/VibrationTab";
-import { Notes } from "../components/display/Notes";
+import { NotesButton } from "../components/display/Notes";
 import { PageHead } from "../components/frame/PageHead";
 import { MODAL_TABS, type ModalDataView } from "../views";
 
@@ -82,7 +82,21 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
         const tab = view.tab ?? (table === undefined ? "files" : "fuel");
         return (
           <Stack gap="md">
-            <Choices {...{ all, aircraft, view, onChange, usable, table }} />
+            <Group justify="space-between" align="flex-end">
+              <Choices {...{ all, aircraft, view, onChange, usable, table }} />
+              <NotesButton
+                filter={{ aircraft_id: aircraft.id }}
+                subject="mode"
+                topics={[...new Set(known.flatMap((one) => one.numbers))]
+                  .toSorted((one, other) => one - other)
+                  .map((mode) => ({
+                    subject: "mode",
+                    key: String(mode),
+                    aircraft_id: aircraft.id,
+                    label: `Mode ${mode}`,
+                  }))}
+              />
+            </Group>
             <Tabs
               value={tab}
               onChange={(value) => {
@@ -119,18 +133,6 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
                 <TablePanels {...{ aircraft, table, usable, view, onChange }} />
               )}
             </Tabs>
-            <Notes
-              filter={{ aircraft_id: aircraft.id }}
-              subject="mode"
-              topics={[...new Set(known.flatMap((one) => one.numbers))]
-                .toSorted((one, other) => one - other)
-                .map((mode) => ({
-                  subject: "mode",
-                  key: String(mode),
-                  aircraft_id: aircraft.id,
-                  label: `Mode ${mode}`,
-                }))}
-            />
           </Stack>
         );
       }}

@@ -8,22 +8,27 @@ import type { Aircraft, ModelStructure } from "../api/types";
 import { DataTable, numeric, type Column } from "../components/controls/DataTable";
 import { Empty } from "../components/display/Empty";
 import { Loaded } from "../components/display/Loaded";
-import { ButtonLink } from "../components/controls/ButtonLink";
 import { PageHead } from "../components/frame/PageHead";
+import { Sections } from "../components/frame/SectionTabs";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
 import { derivativeNames } from "../lib/derivatives";
 import { dateTime } from "../lib/format";
 import { mayHaveSymmetry } from "../lib/modes";
 import { counts } from "../lib/structure";
+import { StructureSearch } from "../components/structures/SearchForm";
 import { useDraft } from "../lib/useDraft";
 import { integer } from "../lib/urlState";
+import type { ModelStructuresView } from "../views";
 
 const route = getRouteApi("/model-structures");
 
 /** List of model structures, and the form of a new one. */
 export function ModelStructuresPage() {
   const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const change = (part: Partial<ModelStructuresView>) =>
+    void navigate({ search: (previous) => ({ ...previous, ...part }) });
   const structures = useQuery(structuresQuery(view.aircraft));
   const aircraft = useQuery(aircraftQuery);
   return (
@@ -35,20 +40,24 @@ export function ModelStructuresPage() {
             Campaign
           </Link>,
         ]}
-        actions={
-          <ButtonLink to="/search" variant="default">
-            Structure search
-          </ButtonLink>
-        }
       />
       <Loaded query={aircraft}>
         {(all) => (
           <Loaded query={structures} rows={8}>
             {(found) => (
-              <div className="stack">
-                <Listed structures={found} aircraft={all} />
-                <NewStructure structures={found} aircraft={all} />
-              </div>
+              <Sections
+                names={["structures", "search"]}
+                contents={{
+                  structures: [
+                    "Model structures",
+                    <div className="stack">
+                      <Listed structures={found} aircraft={all} />
+                      <NewStructure structures={found} aircraft={all} />
+                    </div>,
+                  ],
+                  search: ["Structure search", <StructureSearch view={view} onChange={change} />],
+                }}
+              />
             )}
           </Loaded>
         )}

@@ -1,4 +1,4 @@
-import { Alert, Tabs } from "@mantine/core";
+import { Alert } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery, runQuery } from "../api/queries";
@@ -6,13 +6,14 @@ import { isOver, methodName, type Maneuver, type Run } from "../api/types";
 import { AerodynamicsVerdict } from "../components/runs/AerodynamicsVerdict";
 import { Figure } from "../components/figures/Figure";
 import { RunDerivation } from "../components/runs/DerivedRuns";
-import { BlockPicker, FitTab } from "../components/runs/FitTab";
+import { FitTab } from "../components/runs/FitTab";
 import { JobProgress } from "../components/jobs/JobProgress";
 import { Loaded } from "../components/display/Loaded";
-import { AdequacyTests, SymmetryTests } from "../components/runs/ModelAdequacy";
+import { AdequacyLine, AdequacyTests } from "../components/runs/ModelAdequacy";
 import { OtherAxis } from "../components/maneuvers/OtherAxis";
-import { Notes, type NoteTopic } from "../components/display/Notes";
+import { NotesButton, type NoteTopic } from "../components/display/Notes";
 import { PageHead } from "../components/frame/PageHead";
+import { SectionTabs, type SectionContents } from "../components/frame/SectionTabs";
 import { NuisanceParameters } from "../components/runs/NuisanceParameters";
 import { ParameterTable } from "../components/runs/ParameterTable";
 import { Posterior } from "../components/runs/Posterior";
@@ -30,19 +31,9 @@ import { RUN_TABS, type RunView } from "../views";
 
 const route = getRouteApi("/runs/$id");
 
-const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
-  parameters: "Parameters",
-  fit: "Fit",
-  residuals: "Residuals",
-  sensors: "Sensors",
-  time: "Time",
-  correlation: "Correlation",
-  poles: "Poles",
-  aerodynamics: "Aerodynamics",
-  posterior: "Posterior",
-  iterations: "Iterations",
-  provenance: "Provenance",
-};
+const TAB_NAMES = { result: "Result", fit: "Fit", checks: "Checks", record: "Record" };
+
+type RunSection = (typeof RUN_TABS)[keyof typeof RUN_TABS][number];
 
 /** One estimation run, from waiting to result. */
 export function RunPage() {
@@ -77,7 +68,16 @@ function OneRun({ run }: { run: Run }) {
           </Link>,
         ]}
         aside={<StateBadge state={run.state} />}
-        actions={isOver(run.state) && <RunActions run={run} />}
+        actions={
+          isOver(run.state) && (
+            <>
+              {maneuver.data !== undefined && (
+                <NotesButton filter={{ run_id: run.id }} topics={noteTopics(run, maneuver.data)} />
+              )}
+              <RunActions run={run} />
+            </>
+          )
+        }
       />
       {!isOver(run.state) && (
         <div className="panel" style={{ padding: 16 }}>
@@ -98,14 +98,9 @@ function OneRun({ run }: { run: Run }) {
       <RunDerivation run={run} />
       <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
-      {run.adequacy !== null && <AdequacyTests adequacy={run.adequacy} />}
-      {run.symmetry !== null && <SymmetryTests symmetry={run.symmetry} />}
+      {run.adequacy !== null && <AdequacyLine adequacy={run.adequacy} title="Model adequacy" />}
+      {run.symmetry !== null && <AdequacyLine adequacy={run.symmetry} title="Symmetry" />}
       {isOver(run.state) && <Results run={run} />}
-      {isOver(run.state) && maneuver.data !== undefined && (
-        <div style={{ marginTop: 16 }}>
-          <Notes filter={{ run_id: run.id }} topics={noteTopics(run, maneuver.data)} />
-        </div>
-      )}
     </>
   );
 }
@@ -140,8 +135,8 @@ function Results({ run }: { run: Run }) {
       </div>
     );
   }
-  const tab = view.tab ?? "parameters";
   const block = view.block ?? run.blocks[0]?.name;
+  const tabProps = { run, view, onChange: change };
   const panel = (kind: string, title: string, height?: number) => (
     <div className="panel" style={{ padding: 12 }}>
       <Figure
@@ -153,22 +148,10 @@ function Results({ run }: { run: Run }) {
       />
     </div>
   );
-  return (
-    <Tabs
-      mt="lg"
-      value={tab}
-      onChange={(next) => {
-        change({ tab: RUN_TABS.find((one) => one === next) });
-      }}
-    >
-      <Tabs.List aria-label="Run">
-        {RUN_TABS.map((name) => (
-          <Tabs.Tab key={name} value={name} data-testid={`tab-${name}`}>
-            {TAB_NAMES[name]}
-          </Tabs.Tab>
-        ))}
-      </Tabs.List>
-      <Tabs.Panel value="parameters" pt="md">
+  const contents: SectionContents<RunSection> = {
+    parameters: [
+      "Parameters",
+      <>
         <div className="panel">
           <ParameterTable
             parameters={run.parameters}
@@ -182,43 +165,44 @@ function Results({ run }: { run: Run }) {
         {run.retained !== null && (
           <NuisanceParameters retained={run.retained} reasons={run.proposal?.reasons ?? []} />
         )}
-      </Tabs.Panel>
-      <Tabs.Panel value="fit" pt="md">
-        <FitTab run={run} view={view} onChange={change} />
-      </Tabs.Panel>
-      <Tabs.Panel value="residuals" pt="md">
-        <BlockPicker run={run} view={view} onChange={change} />
-        {panel("residual", "Residuals over frequency")}
-      </Tabs.Panel>
-      <Tabs.Panel value="sensors" pt="md">
-        <SensorsTab run={run} view={view} onChange={change} />
-      </Tabs.Panel>
-      <Tabs.Panel value="time" pt="md">
-        <TimeTab run={run} view={view} onChange={change} />
-      </Tabs.Panel>
-      <Tabs.Panel value="correlation" pt="md">
-        {panel("parameter-correlation", "Correlation of the estimates", 760)}
-      </Tabs.Panel>
-      <Tabs.Panel value="poles" pt="md">
-        <div className="halves">
-          <div className="panel">
-            <PoleTable poles={run.poles} />
-          </div>
-          {panel("poles", "Poles of the identified model", 440)}
+      </>,
+    ],
+    poles: [
+      "Poles",
+      <div className="halves">
+        <div className="panel">
+          <PoleTable poles={run.poles} />
         </div>
-      </Tabs.Panel>
-      <Tabs.Panel value="aerodynamics" pt="md">
-        <AerodynamicsVerdict runId={run.id} />
-      </Tabs.Panel>
-      <Tabs.Panel value="posterior" pt="md">
-        <Posterior run={run} />
-      </Tabs.Panel>
-      <Tabs.Panel value="iterations" pt="md">
-        {panel("iterations", "Cost by iteration")}
-      </Tabs.Panel>
-      <Tabs.Panel value="provenance" pt="md">
-        <Provenance run={run} />
-      </Tabs.Panel>
-    </Tabs>
+        {panel("poles", "Poles of the identified model", 440)}
+      </div>,
+    ],
+    correlation: [
+      "Correlation of the estimates",
+      panel("parameter-correlation", "Correlation of the estimates", 760),
+    ],
+    fit: ["Over frequency", <FitTab {...tabProps} />],
+    residuals: [
+      "Residuals",
+      panel("residual", `Residuals of ${block ?? "the fit"} over frequency`),
+    ],
+    time: ["Over time", <TimeTab {...tabProps} />],
+    tests: ["Model adequacy", <AdequacyTests run={run} />],
+    sensors: ["Sensors", <SensorsTab {...tabProps} />],
+    aerodynamics: ["Aerodynamics", <AerodynamicsVerdict runId={run.id} />],
+    posterior: ["Posterior", <Posterior run={run} />],
+    provenance: ["Provenance", <Provenance run={run} />],
+    iterations: ["Iterations", panel("iterations", "Cost by iteration")],
+  };
+  return (
+    <SectionTabs
+      label="Run"
+      sections={RUN_TABS}
+      titles={TAB_NAMES}
+      contents={contents}
+      tab={view.tab ?? "result"}
+      onTab={(tab) => {
+        change({ tab });
+      }}
+    />
   );
 }

@@ -1,7 +1,6 @@
 /** How good the data of maneuvers is. */
-import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
+import { queryOptions } from "@tanstack/react-query";
 import { api, body } from "../client";
-import { PAGED } from "./habits";
 
 export const qualityQuery = (id: number) =>
   queryOptions({
@@ -16,21 +15,9 @@ export const qualityQuery = (id: number) =>
     staleTime: 60_000,
   });
 
-interface QualityFilters {
-  verdict?: "good" | "questionable" | "bad" | "unchecked" | "missing";
-  flight_id?: number;
-  search?: string;
-}
-
-export const qualitiesQuery = (filters: QualityFilters, sort: string) =>
-  infiniteQueryOptions({
-    queryKey: ["quality", "list", filters, sort],
-    queryFn: ({ pageParam, signal }) =>
-      body(
-        api.GET("/api/v1/quality", {
-          params: { query: { ...filters, sort, limit: 200, after: pageParam } },
-          signal,
-        }),
-      ),
-    ...PAGED,
-  });
+/** Number of maneuvers by verdict, and the progress of their assessment. */
+export const assessmentQuery = queryOptions({
+  queryKey: ["quality", "list"],
+  queryFn: ({ signal }) =>
+    body(api.GET("/api/v1/quality", { params: { query: { limit: 1 } }, signal })),
+});

@@ -295,7 +295,8 @@ function One({ result }: { result: SimulationResult }) {
           <Link
             to="/maneuvers/$id"
             params={{ id: simulation.maneuver_id }}
-            search={{ tab: "inputs" }}
+            search={{ tab: "spectra" }}
+            hash="inputs"
             className="link"
           >
             Correlation

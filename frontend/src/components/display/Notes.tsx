@@ -1,4 +1,4 @@
-import { Button, Group, Select, Stack, Text, Textarea } from "@mantine/core";
+import { Button, Group, Modal, Select, Stack, Text, Textarea } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
@@ -12,7 +12,6 @@ import { NameForm } from "../account/AnalystMenu";
 import { DerivativeName } from "./DerivativeName";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
-import { Section } from "./Section";
 
 /** What a note can be about, and its label in the list of choices. */
 export type NoteTopic = Pick<NoteRequest, "subject" | "key" | "aircraft_id"> & { label: string };
@@ -25,17 +24,50 @@ interface Props {
   subject?: Note["subject"];
 }
 
+const isShown = (note: Note, subject: Note["subject"] | undefined) =>
+  subject === undefined || note.subject === subject;
+
+/** Button with the number of notes, which opens them. */
+export function NotesButton(props: Props) {
+  const [isOpen, setOpen] = useState(false);
+  const { data } = useQuery(notesQuery(props.filter));
+  const number = data?.filter((one) => isShown(one, props.subject)).length ?? 0;
+  return (
+    <>
+      <Button
+        variant="default"
+        data-testid="open-notes"
+        onClick={() => {
+          setOpen(true);
+        }}
+      >
+        Notes{number > 0 && ` (${String(number)})`}
+      </Button>
+      <Modal
+        opened={isOpen}
+        size="lg"
+        title="Notes"
+        onClose={() => {
+          setOpen(false);
+        }}
+      >
+        <Notes {...props} />
+      </Modal>
+    </>
+  );
+}
+
 /** Notes in Markdown, oldest first, and a form for another. */
-export function Notes({ filter, topics, subject }: Props) {
+function Notes({ filter, topics, subject }: Props) {
   const notes = useQuery(notesQuery(filter));
   return (
-    <Section
-      title="Notes"
-      note="Markdown. Edits and deletions are recorded; nothing is overwritten."
-    >
+    <Stack gap="sm">
+      <Text size="xs" className="quiet">
+        Markdown. Edits and deletions are recorded; nothing is overwritten.
+      </Text>
       <Loaded query={notes} rows={2}>
         {(all) => {
-          const shown = all.filter((one) => subject === undefined || one.subject === subject);
+          const shown = all.filter((one) => isShown(one, subject));
           return (
             <Stack gap="sm" data-testid="notes">
               {shown.length === 0 && (
@@ -51,7 +83,7 @@ export function Notes({ filter, topics, subject }: Props) {
         }}
       </Loaded>
       {topics.length > 0 && <AddNote filter={filter} topics={topics} />}
-    </Section>
+    </Stack>
   );
 }
 

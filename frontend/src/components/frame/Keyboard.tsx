@@ -34,11 +34,11 @@ export function Keyboard() {
         // A second g within the pause is the letter of a page, not a new start.
         const view = recent(wentAt.current) ? VIEWS.find((one) => one.key === "g") : undefined;
         wentAt.current = view === undefined ? Date.now() : 0;
-        if (view !== undefined) void navigate({ to: view.to, hash: view.hash });
+        if (view !== undefined) void navigate(view);
       } else if (recent(wentAt.current)) {
         wentAt.current = 0;
         const view = VIEWS.find((one) => one.key === event.key);
-        if (view !== undefined) void navigate({ to: view.to, hash: view.hash });
+        if (view !== undefined) void navigate(view);
       }
     };
     document.addEventListener("keydown", pressed);

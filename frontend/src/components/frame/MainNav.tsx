@@ -1,5 +1,7 @@
 import { Menu, UnstyledButton } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
 import { Link, useLocation } from "@tanstack/react-router";
+import { queueQuery } from "../../api/queries";
 import { isCurrent, MENU, SIDE_MENU, type MenuPage } from "../../views";
 
 /** The menu in the order of the work; an entry with several pages opens a dropdown. */
@@ -48,11 +50,16 @@ export function MainNav() {
   );
 }
 
-/** Links at the right of the header. */
+/** Links at the right of the header; that of the jobs while some are queued or running. */
 export function SideNav() {
+  const { pathname } = useLocation();
+  const { data } = useQuery(queueQuery);
+  const isBusy = (data?.states.queued ?? 0) + (data?.states.running ?? 0) > 0;
   return (
     <nav className="frame-nav" aria-label="Workbench">
-      {SIDE_MENU.map((page) => (
+      {SIDE_MENU.filter(
+        (page) => page.to !== "/jobs" || isBusy || page.at?.test(pathname) === true,
+      ).map((page) => (
         <PageLink key={page.to} page={page} label={page.label} />
       ))}
     </nav>

@@ -132,7 +132,7 @@ function useFound(typed: string): Found[] {
     key: view.key,
     label: view.label,
     kind: "page",
-    open: () => void navigate({ to: view.to, hash: view.hash }),
+    open: () => void navigate(view),
   }));
   if (!enabled) return views;
   const named = <Item extends { id: number }>(
@@ -205,7 +205,7 @@ function useFound(typed: string): Found[] {
       (one) => one.sentence ?? `${one.method} search ${one.id}`,
       "structure search",
       (id) => {
-        void navigate({ to: "/search", search: { id } });
+        void navigate({ to: "/model-structures", search: { id }, hash: "search" });
       },
     ),
     ...(glossary.data ?? [])

@@ -119,7 +119,6 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
                   void navigate({
                     search: (old) => ({ ...old, channels: names }),
                     replace: true,
-                    resetScroll: false,
                   })
                 }
               />

@@ -137,7 +137,12 @@ function JobSubject({ job }: { job: Job }) {
   switch (job.kind) {
     case "structure-search":
       return (
-        <Link to="/search" search={{ id: id("search_id") }} className="link">
+        <Link
+          to="/model-structures"
+          search={{ id: id("search_id") }}
+          hash="search"
+          className="link"
+        >
           {label}
         </Link>
       );
@@ -210,7 +215,8 @@ function JobSubject({ job }: { job: Job }) {
         <Link
           to="/runs/$id"
           params={{ id: id("run_id") }}
-          search={{ tab: job.kind === "posterior-check" ? "posterior" : "aerodynamics" }}
+          search={{ tab: "checks" }}
+          hash={job.kind === "posterior-check" ? "posterior" : "aerodynamics"}
           className="link"
         >
           {label}
@@ -222,7 +228,7 @@ function JobSubject({ job }: { job: Job }) {
           to="/maneuvers/$id"
           params={{ id: id("maneuver_id") }}
           search={{
-            tab: "transfer-function",
+            tab: "bode",
             from_input: text(request.input),
             to_output: text(request.output),
             zeros: readNumber(request, "zeros"),
@@ -232,6 +238,7 @@ function JobSubject({ job }: { job: Job }) {
             low: readNumber(request, "low_hz"),
             high: readNumber(request, "high_hz"),
           }}
+          hash="transfer-function"
           className="link"
         >
           {label}
@@ -243,12 +250,13 @@ function JobSubject({ job }: { job: Job }) {
           to="/maneuvers/$id"
           params={{ id: id("maneuver_id") }}
           search={{
-            tab: "output-only",
+            tab: "bode",
             from: readNumber(request, "start_s"),
             to: readNumber(request, "stop_s"),
             low: readNumber(request, "low_hz"),
             high: readNumber(request, "high_hz"),
           }}
+          hash="output-only"
           className="link"
         >
           {label}
@@ -259,7 +267,8 @@ function JobSubject({ job }: { job: Job }) {
         <Link
           to="/maneuvers/$id"
           params={{ id: (request.maneuver_ids as number[])[0] ?? 0 }}
-          search={{ tab: "compatibility" }}
+          search={{ tab: "quality" }}
+          hash="compatibility"
           className="link"
         >
           {label}
@@ -268,8 +277,9 @@ function JobSubject({ job }: { job: Job }) {
     case "closed-loop":
       return (
         <Link
-          to="/closed-loop"
+          to="/flutter"
           search={{
+            tab: "closed-loop",
             ...flutterSearch(request.flutter as Record<string, unknown>),
             controller: id("controller_id"),
           }}
@@ -298,8 +308,9 @@ function JobSubject({ job }: { job: Job }) {
       const maneuvers = request.maneuver_ids as number[];
       return (
         <Link
-          to="/validation"
+          to="/compare"
           search={{
+            tab: "validation",
             runs: request.run_ids as number[],
             maneuvers: maneuvers.length > 0 ? maneuvers : undefined,
           }}
@@ -312,8 +323,9 @@ function JobSubject({ job }: { job: Job }) {
     case "cross-validation":
       return (
         <Link
-          to="/validation"
+          to="/compare"
           search={{
+            tab: "validation",
             runs: [id("run_id")],
             partition: oneOf(request.partition, PARTITIONS),
             folds: id("folds"),

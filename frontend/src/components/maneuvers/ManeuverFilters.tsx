@@ -1,8 +1,9 @@
 import { Group, Input } from "@mantine/core";
 import type { ReactNode } from "react";
-import type { Facets, ManeuverFilters as ApiFilters } from "../../api/types";
-import { number } from "../../lib/urlState";
+import { VERDICTS, type Facets, type ManeuverFilters as ApiFilters } from "../../api/types";
+import { number, oneOf } from "../../lib/urlState";
 import type { CampaignView } from "../../views";
+import { FacetSelect } from "../controls/FacetSelect";
 import { FilterInput } from "../controls/FilterInput";
 import { ListFilters } from "../controls/ListFilters";
 
@@ -18,6 +19,7 @@ export function apiFilters(view: CampaignView): ApiFilters {
     max_airspeed_ratio: view.max_ratio,
     min_fuel: fraction(view.min_fuel),
     max_fuel: fraction(view.max_fuel),
+    verdict: view.verdict,
     method: view.method,
     state: view.state,
     tag: view.tag,
@@ -33,6 +35,7 @@ const FILTERS = [
   "max_ratio",
   "min_fuel",
   "max_fuel",
+  "verdict",
   "method",
   "state",
   "tag",
@@ -98,6 +101,16 @@ export function ManeuverFilters({ view, choices, onChange }: Props) {
         "max_ratio",
       )}
       {range("Fuel in percent", "Fuel [%]", "min_fuel", "max_fuel")}
+      <FacetSelect
+        label="Quality"
+        width={128}
+        testId="filter-verdict"
+        choices={choices?.verdict}
+        value={view.verdict}
+        onChange={(value) => {
+          onChange({ verdict: oneOf(value, VERDICTS) });
+        }}
+      />
     </ListFilters>
   );
 }

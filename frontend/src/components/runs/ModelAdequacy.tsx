@@ -1,8 +1,10 @@
-import { Accordion, Badge, Group, Text } from "@mantine/core";
-import type { AdequacyState, ModelAdequacy } from "../../api/types";
+import { Badge, Group, Text } from "@mantine/core";
+import type { AdequacyState, ModelAdequacy, Run } from "../../api/types";
 import { significant } from "../../lib/format";
 import { tint } from "../../lib/tint";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { Empty } from "../display/Empty";
+import { Section } from "../display/Section";
 
 const COLORS: Record<AdequacyState, string> = {
   consistent: "green",
@@ -51,70 +53,77 @@ interface TestsProps {
   adequacy: ModelAdequacy;
   /** What the tests are about. */
   title: string;
-  /** What each test seeks, and what a small p means. */
-  subject: string;
+}
+
+/** Badge and reason; the tests are on the tab of the checks. */
+export function AdequacyLine({ adequacy, title }: TestsProps) {
+  return (
+    <Group
+      gap="xs"
+      mt="sm"
+      wrap="nowrap"
+      align="flex-start"
+      data-testid={title.toLowerCase().replaceAll(" ", "-")}
+    >
+      <Text size="sm" style={{ whiteSpace: "nowrap" }}>
+        {title}
+      </Text>
+      <AdequacyBadge state={adequacy.state} />
+      <Text size="sm">{adequacy.reason}</Text>
+    </Group>
+  );
+}
+
+interface TableProps extends TestsProps {
+  /** What a small p means. */
   note: string;
 }
 
-function Tests({ adequacy, title, subject, note }: TestsProps) {
-  const key = title.toLowerCase().replaceAll(" ", "-");
+function Tests({ adequacy, title, note }: TableProps) {
   const rejecting = adequacy.tests.filter((test) => test.rejects).length;
   return (
-    <>
-      <Group gap="xs" mt="sm" wrap="nowrap" align="flex-start" data-testid={key}>
-        <Text size="sm" style={{ whiteSpace: "nowrap" }}>
-          {title}
-        </Text>
-        <AdequacyBadge state={adequacy.state} />
-        <Text size="sm">{adequacy.reason}</Text>
-      </Group>
-      {adequacy.tests.length > 0 && (
-        <Accordion variant="contained" className="panel" bg="var(--page-surface)" mt="sm" order={2}>
-          <Accordion.Item value="tests">
-            <Accordion.Control data-testid={`${key}-tests`}>
-              {adequacy.tests.length} tests {subject}, {rejecting}{" "}
-              {rejecting === 1 ? "rejects" : "reject"}
-            </Accordion.Control>
-            <Accordion.Panel>
-              <Text size="sm" mb="sm">
-                {note}
-              </Text>
-              <DataTable
-                label={`Tests ${subject}`}
-                columns={COLUMNS}
-                rows={adequacy.tests}
-                rowKey={(test) => `${test.hypothesis} ${test.subject}`}
-                isSelected={(test) => test.rejects}
-                maxHeight={480}
-              />
-            </Accordion.Panel>
-          </Accordion.Item>
-        </Accordion>
+    <Section
+      title={title}
+      note={`${String(adequacy.tests.length)} tests, ${String(rejecting)} ${rejecting === 1 ? "rejects" : "reject"}. ${note}`}
+    >
+      <DataTable
+        label={title}
+        columns={COLUMNS}
+        rows={adequacy.tests}
+        rowKey={(test) => `${test.hypothesis} ${test.subject}`}
+        isSelected={(test) => test.rejects}
+        maxHeight={480}
+      />
+    </Section>
+  );
+}
+
+/** Tables of the tests for remaining model error and for an asymmetry of the aircraft. */
+export function AdequacyTests({ run }: { run: Pick<Run, "adequacy" | "symmetry"> }) {
+  const { adequacy, symmetry } = run;
+  if (adequacy === null && symmetry === null) {
+    return (
+      <Empty title="No tests for remaining model error">
+        Runs that failed, and runs of earlier releases, have none.
+      </Empty>
+    );
+  }
+  return (
+    <div className="stack">
+      {adequacy !== null && (
+        <Tests
+          adequacy={adequacy}
+          title="Tests for remaining model error"
+          note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response or the consistency of a sensor is in standard deviations, and p of a residual power includes the errors of the noise measured in the band. A correct model is rejected by any of the tests with a probability of 5 %."
+        />
       )}
-    </>
-  );
-}
-
-/** Badge and reason of a run, with the table of its tests for remaining model error. */
-export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
-  return (
-    <Tests
-      adequacy={adequacy}
-      title="Model adequacy"
-      subject="for remaining model error"
-      note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response or the consistency of a sensor is in standard deviations, and p of a residual power includes the errors of the noise measured in the band. A correct model is rejected by any of the tests with a probability of 5 %."
-    />
-  );
-}
-
-/** Badge and reason of a run, with the table of its tests for an asymmetry of the aircraft. */
-export function SymmetryTests({ symmetry }: { symmetry: ModelAdequacy }) {
-  return (
-    <Tests
-      adequacy={symmetry}
-      title="Symmetry"
-      subject="for an asymmetry of aircraft or flight"
-      note="Each test seeks a response of this axis to motion or surfaces of the other one. The statistic is χ² with these degrees of freedom for a symmetric aircraft; that of a cross response is in standard deviations. Any of the tests rejects a symmetric aircraft with a probability of 5 %."
-    />
+      {symmetry !== null && (
+        <Tests
+          adequacy={symmetry}
+          title="Tests for an asymmetry of aircraft or flight"
+          note="Each test seeks a response of this axis to motion or surfaces of the other one. The statistic is χ² with these degrees of freedom for a symmetric aircraft; that of a cross response is in standard deviations. Any of the tests rejects a symmetric aircraft with a probability of 5 %."
+        />
+      )}
+    </div>
   );
 }

@@ -92,7 +92,7 @@ export function RunActions({ run }: { run: Run }) {
         </Menu>
       )}
       {done && (
-        <ButtonLink to="/validation" search={{ runs: [run.id] }} variant="default">
+        <ButtonLink to="/compare" search={{ runs: [run.id], tab: "validation" }} variant="default">
           Validate
         </ButtonLink>
       )}

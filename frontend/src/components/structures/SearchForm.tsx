@@ -4,24 +4,62 @@ import { asAxis } from "../new-run/runRequest";
 import { Button, Group, MultiSelect, Pill, Select, Stack, Text } from "@mantine/core";
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { useRequestSearch } from "../../api/commands";
-import { maneuverQuery, modalTablesQuery, searchesQuery } from "../../api/queries";
+import { maneuverQuery, modalTablesQuery, searchesQuery, searchQuery } from "../../api/queries";
 import { METHOD_NAMES, METHODS } from "../../api/types";
 import { mayHaveSymmetry } from "../../lib/modes";
 import { integer, integers, oneOf } from "../../lib/urlState";
-import { SEARCH_ALGORITHMS, INITIAL_TERMS, type SearchView } from "../../views";
+import { SEARCH_ALGORITHMS, INITIAL_TERMS, type ModelStructuresView } from "../../views";
 import { ManeuverSelect } from "../maneuvers/ManeuverSelect";
+import { Empty } from "../display/Empty";
+import { Loaded } from "../display/Loaded";
 import { ProblemAlert } from "../display/ProblemAlert";
+import { Section } from "../display/Section";
+import { SearchResult } from "./SearchResult";
 
 interface Props {
-  view: SearchView;
-  onChange: (change: Partial<SearchView>) => void;
+  view: ModelStructuresView;
+  onChange: (change: Partial<ModelStructuresView>) => void;
+}
+
+/** Model structure determination: search for the terms of a model. */
+export function StructureSearch({ view, onChange }: Props) {
+  const search = useQuery({ ...searchQuery(view.id ?? 0), enabled: view.id !== undefined });
+  return (
+    <Section
+      title="Structure search"
+      note="Equation error selects the terms of each coefficient; output error and frequency response error fit whole models, remove terms by Wald’s test and add them by the score test."
+    >
+      <div className="split split-early">
+        <SearchForm view={view} onChange={onChange} />
+        {view.id === undefined ? (
+          <Empty title="No search selected">
+            Select maneuvers and modes and start a search, or open a previous one.
+          </Empty>
+        ) : (
+          <Stack gap="md" miw={0}>
+            <Loaded query={search} rows={8}>
+              {(found) => (
+                <SearchResult
+                  search={found}
+                  group={view.group}
+                  onGroup={(group) => {
+                    onChange({ group });
+                  }}
+                />
+              )}
+            </Loaded>
+          </Stack>
+        )}
+      </div>
+    </Section>
+  );
 }
 
 const USUAL_F = 20;
 const USUAL = { pse_noise: 25, resamplings: 30, max_iterations: 100, noise: "diagonal" } as const;
 
 /** Form of a search: maneuvers, modes, method and thresholds. */
-export function SearchForm({ view, onChange }: Props) {
+function SearchForm({ view, onChange }: Props) {
   const request = useRequestSearch();
   const earlier = useQuery(searchesQuery);
   const maneuvers = view.maneuvers ?? [];

@@ -1,118 +1,114 @@
 import { Group, SegmentedControl, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { getRouteApi, Link } from "@tanstack/react-router";
-import { aircraftQuery, dashboardQuery } from "../api/queries";
-import type { Dashboard, OpenWarnings } from "../api/types";
-import { ButtonLink } from "../components/controls/ButtonLink";
-import { DataTable, numeric, type Column } from "../components/controls/DataTable";
-import { DerivativeName } from "../components/display/DerivativeName";
-import { Empty } from "../components/display/Empty";
-import { Figure, usePrefetchedFigure } from "../components/figures/Figure";
-import { Loaded } from "../components/display/Loaded";
-import { PageHead } from "../components/frame/PageHead";
-import { quantity } from "../components/display/Quantity";
-import { Section } from "../components/display/Section";
-import { coefficientsIn } from "../lib/derivatives";
-import { count, percent } from "../lib/format";
-import { integer } from "../lib/urlState";
-
-const route = getRouteApi("/dashboard");
+import { Link, useNavigate } from "@tanstack/react-router";
+import type { ReactNode } from "react";
+import { aircraftQuery, dashboardQuery } from "../../api/queries";
+import type { Aircraft, Dashboard, OpenWarnings } from "../../api/types";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { DerivativeName } from "../display/DerivativeName";
+import { Empty } from "../display/Empty";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { quantity } from "../display/Quantity";
+import { Section } from "../display/Section";
+import { coefficientsIn } from "../../lib/derivatives";
+import { count, percent } from "../../lib/format";
+import { integer } from "../../lib/urlState";
+import type { CampaignView } from "../../views";
 
 const COVERAGE = "derivative-coverage";
 
 type Cell = Dashboard["cells"][number];
 type Derivative = Dashboard["derivatives"][number];
 
-/** What is identified where in the envelope of a campaign, and what is left to do. */
-export function DashboardPage() {
-  const view = route.useSearch();
-  const navigate = route.useNavigate();
-  const aircraft = useQuery(aircraftQuery);
-  const id = view.aircraft ?? aircraft.data?.[0]?.id;
-  const dashboard = useQuery({ ...dashboardQuery(id ?? 0), enabled: id !== undefined });
+interface Props {
+  view: CampaignView;
+  onChange: (change: Partial<CampaignView>) => void;
+}
+
+/** What is identified where in the envelope of a campaign. */
+export function CampaignCoverage({ view, onChange }: Props) {
+  const navigate = useNavigate();
   const { coefficient } = view;
-  usePrefetchedFigure(COVERAGE, id === undefined ? null : { aircraft_id: id, coefficient });
   return (
-    <>
-      <PageHead
-        title="Dashboard"
-        actions={
-          (aircraft.data?.length ?? 0) > 1 && (
-            <Select
-              aria-label="Aircraft"
-              w={220}
-              data={aircraft.data?.map((one) => ({ value: String(one.id), label: one.name }))}
-              value={id === undefined ? null : String(id)}
-              allowDeselect={false}
-              onChange={(next) =>
-                void navigate({ search: (before) => ({ ...before, aircraft: integer(next) }) })
-              }
-            />
-          )
-        }
-      />
-      {aircraft.data?.length === 0 ? (
-        <Nothing />
-      ) : (
-        <Loaded query={dashboard} rows={12}>
-          {(data) => (data.n_maneuvers === 0 ? <Nothing /> : <Overview dashboard={data} />)}
-        </Loaded>
-      )}
-    </>
+    <OfAircraft view={view}>
+      {(dashboard, choices) => {
+        const coefficients = coefficientsIn(dashboard.derivatives.map((one) => one.name));
+        return (
+          <div className="stack">
+            <div className="panel" style={{ padding: 12 }}>
+              <Group mb="xs" className="no-print">
+                {choices.length > 1 && (
+                  <Select
+                    aria-label="Aircraft"
+                    w={220}
+                    data={choices.map((one) => ({ value: String(one.id), label: one.name }))}
+                    value={String(dashboard.aircraft_id)}
+                    allowDeselect={false}
+                    onChange={(next) => {
+                      onChange({ aircraft: integer(next) });
+                    }}
+                  />
+                )}
+                {coefficients.length > 1 && (
+                  <SegmentedControl
+                    aria-label="Coefficient"
+                    data={[...coefficients, { value: "all", label: "All" }]}
+                    value={coefficient ?? "all"}
+                    onChange={(next) => {
+                      onChange({ coefficient: next === "all" ? undefined : next });
+                    }}
+                  />
+                )}
+              </Group>
+              <Figure
+                kind={COVERAGE}
+                title={`Derivatives of ${dashboard.aircraft_name} over the envelope`}
+                params={{ aircraft_id: dashboard.aircraft_id, coefficient }}
+                onPick={(run) => void navigate({ to: "/runs/$id", params: { id: run } })}
+              />
+            </div>
+            <div className="two">
+              <Identified dashboard={dashboard} />
+              <Flown dashboard={dashboard} />
+            </div>
+          </div>
+        );
+      }}
+    </OfAircraft>
   );
 }
 
-function Nothing() {
+/** What is left to do in a campaign. */
+export function CampaignWarnings({ view }: Pick<Props, "view">) {
   return (
-    <Empty title="No maneuvers yet">
-      <ButtonLink to="/import">Import a maneuver</ButtonLink>
-    </Empty>
-  );
-}
-
-function Overview({ dashboard }: { dashboard: Dashboard }) {
-  const { coefficient } = route.useSearch();
-  const navigate = route.useNavigate();
-  const coefficients = coefficientsIn(dashboard.derivatives.map((one) => one.name));
-  return (
-    <Stack gap="md">
-      <div className="panel" style={{ padding: 12 }}>
-        {coefficients.length > 1 && (
-          <Group mb="xs" className="no-print">
-            <SegmentedControl
-              aria-label="Coefficient"
-              data={[...coefficients, { value: "all", label: "All" }]}
-              value={coefficient ?? "all"}
-              onChange={(next) =>
-                void navigate({
-                  search: (before) => ({
-                    ...before,
-                    coefficient: next === "all" ? undefined : next,
-                  }),
-                })
-              }
-            />
-          </Group>
-        )}
-        <Figure
-          kind={COVERAGE}
-          title={`Derivatives of ${dashboard.aircraft_name} over the envelope`}
-          params={{ aircraft_id: dashboard.aircraft_id, coefficient }}
-          onPick={(run) => void navigate({ to: "/runs/$id", params: { id: run }, search: {} })}
-        />
-      </div>
-      <div className="two">
-        <div className="stack">
+    <OfAircraft view={view}>
+      {(dashboard) => (
+        <div className="halves">
           {dashboard.warnings.map((one) => (
             <Warnings key={one.kind} warnings={one} />
           ))}
         </div>
-        <div className="stack">
-          <Flown dashboard={dashboard} />
-          <Identified dashboard={dashboard} />
-        </div>
-      </div>
-    </Stack>
+      )}
+    </OfAircraft>
+  );
+}
+
+interface OfAircraftProps {
+  view: CampaignView;
+  children: (dashboard: Dashboard, choices: Aircraft[]) => ReactNode;
+}
+
+/** Loads the campaign of the selected aircraft, by default the first; nothing without maneuvers. */
+function OfAircraft({ view, children }: OfAircraftProps) {
+  const aircraft = useQuery(aircraftQuery);
+  const id = view.aircraft ?? aircraft.data?.[0]?.id;
+  const dashboard = useQuery({ ...dashboardQuery(id ?? 0), enabled: id !== undefined });
+  if (aircraft.data?.length === 0 || dashboard.data?.n_maneuvers === 0) return null;
+  return (
+    <Loaded query={dashboard} rows={6}>
+      {(data) => children(data, aircraft.data ?? [])}
+    </Loaded>
   );
 }
 
@@ -192,8 +188,8 @@ const WARNINGS: Record<
   {
     title: string;
     none: string;
-    one: (id: number, title: string) => React.ReactNode;
-    all: React.ReactNode;
+    one: (id: number, title: string) => ReactNode;
+    all: ReactNode;
   }
 > = {
   "suspect-runs": {

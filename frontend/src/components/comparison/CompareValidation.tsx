@@ -1,27 +1,24 @@
-import { MultiSelect, Select, Stack } from "@mantine/core";
+import { Group, MultiSelect, Select, Stack } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery } from "@tanstack/react-query";
-import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { crossPredictionResult, maneuversQuery, runListQuery } from "../api/queries";
-import type { CrossPredictionMatrix } from "../api/types";
-import { useStoredResult } from "../api/useStoredResult";
-import { ButtonLink } from "../components/controls/ButtonLink";
-import { CrossValidation } from "../components/comparison/CrossValidation";
-import { ComputeButton } from "../components/controls/ComputeButton";
-import { Empty } from "../components/display/Empty";
-import { Figure } from "../components/figures/Figure";
-import { JobWait } from "../components/jobs/JobWait";
-import { Loaded } from "../components/display/Loaded";
-import { NumberField } from "../components/controls/NumberField";
-import { PageHead } from "../components/frame/PageHead";
-import { ProblemAlert } from "../components/display/ProblemAlert";
-import { Section } from "../components/display/Section";
-import { fixed } from "../lib/format";
-import { integer, integers, oneOf } from "../lib/urlState";
-import { PARTITIONS, type ValidationView } from "../views";
-
-const route = getRouteApi("/validation");
+import { crossPredictionResult, maneuversQuery } from "../../api/queries";
+import type { CrossPredictionMatrix } from "../../api/types";
+import { useStoredResult } from "../../api/useStoredResult";
+import { ButtonLink } from "../controls/ButtonLink";
+import { CrossValidation } from "./CrossValidation";
+import { ComputeButton } from "../controls/ComputeButton";
+import { Empty } from "../display/Empty";
+import { Figure } from "../figures/Figure";
+import { JobWait } from "../jobs/JobWait";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { Section } from "../display/Section";
+import { fixed } from "../../lib/format";
+import { integer, integers, oneOf } from "../../lib/urlState";
+import { PARTITIONS, type CompareView } from "../../views";
+import type { CompareTabProps } from "./CompareDerivatives";
 
 const HELD_OUT: Record<(typeof PARTITIONS)[number], string> = {
   folds: "Every fold of the frequencies",
@@ -33,54 +30,28 @@ const FOLDS = 5;
 const MOST_OFFERED = 50;
 
 interface ViewProps {
-  view: ValidationView;
-  onChange: (change: Partial<ValidationView>) => void;
+  view: CompareView;
+  onChange: (change: Partial<CompareView>) => void;
 }
 
-/** Validation of runs: other maneuvers predicted, held-out data, and residual correlation. */
-export function ValidationPage() {
-  const view = route.useSearch();
-  const navigate = route.useNavigate();
-  const runs = view.runs ?? [];
-  const query = { run_ids: runs.join(","), maneuver_ids: view.maneuvers?.join(",") };
+/** Validation of the runs: other maneuvers predicted, held-out data, and residual correlation. */
+export function CompareValidation({ view, onChange }: CompareTabProps) {
+  const query = { run_ids: view.runs?.join(",") ?? "", maneuver_ids: view.maneuvers?.join(",") };
   const { result, jobId, error, onEnd, compute } = useStoredResult(crossPredictionResult(query));
-  const change = (part: Partial<ValidationView>) =>
-    void navigate({ search: (previous) => ({ ...previous, ...part }) });
   return (
-    <>
-      <PageHead
-        title="Validation"
-        trail={[
-          <Link to="/compare" search={{ runs: view.runs }} className="link" key="compare">
-            Compare
-          </Link>,
-        ]}
-      />
-      <div className="split">
-        <Choices view={view} onChange={change} />
-        {runs.length === 0 ? (
-          <div className="panel">
-            <Empty title="No runs selected">
-              Select succeeded runs, and maneuvers that their models predict from the measured
-              inputs.
-            </Empty>
-          </div>
-        ) : (
-          <Stack gap="md">
-            <ComputeButton compute={compute} />
-            {error !== null && <ProblemAlert error={error} />}
-            {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
-            {compute === undefined && jobId === undefined && error === null && (
-              <Loaded query={result} rows={6}>
-                {(matrix) => (
-                  <Predictions matrix={matrix} query={query} view={view} onChange={change} />
-                )}
-              </Loaded>
-            )}
-          </Stack>
-        )}
-      </div>
-    </>
+    <Stack gap="md" miw={0}>
+      <Choices view={view} onChange={onChange} />
+      <ComputeButton compute={compute} />
+      {error !== null && <ProblemAlert error={error} />}
+      {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+      {compute === undefined && jobId === undefined && error === null && (
+        <Loaded query={result} rows={6}>
+          {(matrix) => (
+            <Predictions matrix={matrix} query={query} view={view} onChange={onChange} />
+          )}
+        </Loaded>
+      )}
+    </Stack>
   );
 }
 
@@ -97,50 +68,20 @@ function withSelected(found: Option[], ids: number[] | undefined, noun: string):
 }
 
 function Choices({ view, onChange }: ViewProps) {
-  const [typedRun, setTypedRun] = useState("");
-  const [typedManeuver, setTypedManeuver] = useState("");
-  const [searchRun] = useDebouncedValue(typedRun, 300);
-  const [searchManeuver] = useDebouncedValue(typedManeuver, 300);
-  const runs = useInfiniteQuery(
-    runListQuery({ state: "succeeded", search: searchRun || undefined }, "-id", MOST_OFFERED),
-  );
+  const [typed, setTyped] = useState("");
+  const [search] = useDebouncedValue(typed, 300);
   const maneuvers = useInfiniteQuery(
-    maneuversQuery({ search: searchManeuver || undefined }, "label", MOST_OFFERED),
+    maneuversQuery({ search: search || undefined }, "label", MOST_OFFERED),
   );
   return (
-    <Stack gap="md">
+    <Group gap="sm" align="flex-end">
       <MultiSelect
-        label="Runs"
-        description="Their models predict the maneuvers"
+        label="Predicted maneuvers"
+        placeholder={view.maneuvers === undefined ? "Those of the runs" : undefined}
+        w={300}
         searchable
-        searchValue={typedRun}
-        onSearchChange={setTypedRun}
-        nothingFoundMessage="No succeeded run"
-        clearable
-        hidePickedOptions
-        maxDropdownHeight={320}
-        data-testid="validation-runs"
-        data={withSelected(
-          (runs.data?.pages ?? [])
-            .flatMap((page) => page.items)
-            .map((run) => ({
-              value: String(run.id),
-              label: `${run.method} ${String(run.id)}: ${run.modes.join(" ")}, ${run.maneuver_label}`,
-            })),
-          view.runs,
-          "Run",
-        )}
-        value={(view.runs ?? []).map(String)}
-        onChange={(ids) => {
-          onChange({ runs: integers(ids), run: undefined, maneuver: undefined });
-        }}
-      />
-      <MultiSelect
-        label="Maneuvers"
-        description="Default: those of the runs"
-        searchable
-        searchValue={typedManeuver}
-        onSearchChange={setTypedManeuver}
+        searchValue={typed}
+        onSearchChange={setTyped}
         nothingFoundMessage="No maneuver"
         clearable
         hidePickedOptions
@@ -155,13 +96,13 @@ function Choices({ view, onChange }: ViewProps) {
         )}
         value={(view.maneuvers ?? []).map(String)}
         onChange={(ids) => {
-          onChange({ maneuvers: integers(ids), maneuver: undefined });
+          onChange({ maneuvers: integers(ids), predicted: undefined });
         }}
       />
       <Select
         label="Data held out"
-        description="The selected run is fitted again without them"
         placeholder="None"
+        w={230}
         clearable
         data-testid="validation-held-out"
         data={PARTITIONS.map((value) => ({ value, label: HELD_OUT[value] }))}
@@ -172,7 +113,7 @@ function Choices({ view, onChange }: ViewProps) {
       />
       <NumberField
         label="Folds"
-        description="Of periods, one share in so many is held out"
+        w={80}
         placeholder={String(FOLDS)}
         min={2}
         max={20}
@@ -182,7 +123,7 @@ function Choices({ view, onChange }: ViewProps) {
           onChange({ folds });
         }}
       />
-    </Stack>
+    </Group>
   );
 }
 
@@ -192,9 +133,9 @@ interface PredictionsProps extends ViewProps {
 }
 
 function Predictions({ matrix, query, view, onChange }: PredictionsProps) {
-  const run = matrix.runs.find((one) => one.id === view.run) ?? matrix.runs[0];
+  const run = matrix.runs.find((one) => one.id === view.predicted_by) ?? matrix.runs[0];
   const own = matrix.predictions.filter((one) => one.run_id === run?.id);
-  const cell = own.find((one) => one.maneuver_id === view.maneuver) ?? own[0];
+  const cell = own.find((one) => one.maneuver_id === view.predicted) ?? own[0];
   if (run === undefined || cell === undefined) return <Empty title="No predictions" />;
   const names = cell.outputs.map((one) => one.output);
   const output = names.find((name) => name === view.output) ?? names[0];
@@ -212,7 +153,7 @@ function Predictions({ matrix, query, view, onChange }: PredictionsProps) {
           params={{ ...query }}
           onPick={(index) => {
             const picked = matrix.predictions[index];
-            if (picked) onChange({ run: picked.run_id, maneuver: picked.maneuver_id });
+            if (picked) onChange({ predicted_by: picked.run_id, predicted: picked.maneuver_id });
           }}
         />
       </Section>
@@ -232,7 +173,7 @@ function Predictions({ matrix, query, view, onChange }: PredictionsProps) {
               data={matrix.runs.map((one) => ({ value: String(one.id), label: one.label }))}
               value={String(run.id)}
               onChange={(id) => {
-                onChange({ run: integer(id ?? undefined) });
+                onChange({ predicted_by: integer(id ?? undefined) });
               }}
             />
             <Select
@@ -242,7 +183,7 @@ function Predictions({ matrix, query, view, onChange }: PredictionsProps) {
               data={matrix.maneuvers.map((one) => ({ value: String(one.id), label: one.label }))}
               value={String(cell.maneuver_id)}
               onChange={(id) => {
-                onChange({ maneuver: integer(id ?? undefined) });
+                onChange({ predicted: integer(id ?? undefined) });
               }}
             />
             <Select
@@ -260,7 +201,8 @@ function Predictions({ matrix, query, view, onChange }: PredictionsProps) {
               variant="default"
               to="/runs/$id"
               params={{ id: run.id }}
-              search={{ tab: "time", against: cell.maneuver_id }}
+              search={{ tab: "fit", against: cell.maneuver_id }}
+              hash="time"
             >
               Time history
             </ButtonLink>
