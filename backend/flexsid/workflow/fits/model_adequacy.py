@@ -308,7 +308,8 @@ def _state_meaning(test: ModelTest, results: Estimate | None, is_shaped: bool) -
                 "there: the model is not adequate in this band."
             )
         case Hypothesis.REGRESSOR_NOISE:
-            own = float(results.values[results.names.index(name)]) if name in results.names else 0.0
+            is_known = results is not None and name in results.names
+            own = float(results.values[results.names.index(name)]) if is_known else 0.0
             before, after = _format_change(own, size)
             return (
                 f"By output error {name} would be {after} instead of {before}: noise of the "
