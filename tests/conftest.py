@@ -24,7 +24,7 @@ from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surf
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import GYRO, Butterworth, FirstOrder, Instrument, SecondOrder

@@ -110,7 +110,7 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.request_models import QueryParameters, derive_parameters, parameters_of
-from flexsid.storage.maneuver_list import ManeuverFilters
+from flexsid.storage.lists.maneuver_list import ManeuverFilters
 from flexsid.storage.repository import reading_once
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import ModelAxis

@@ -9,7 +9,7 @@ from flexsid.demo.flights import fly
 from flexsid.records.decision import Structure
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.simulation.turbulence import Turbulence

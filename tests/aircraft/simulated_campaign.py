@@ -18,7 +18,7 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.global_model.fit import RunEstimates
 

@@ -20,11 +20,11 @@ from flexsid.jobs.messages import FailedMessage
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.settings import read_settings
-from flexsid.storage import backup as copies
-from flexsid.storage import queue
 from flexsid.storage.access import Access, Forbidden, using_access
+from flexsid.storage.copies import backup as copies
+from flexsid.storage.copies.shared_samples import SAMPLES
+from flexsid.storage.jobs import queue
 from flexsid.storage.recordings import read_channels
-from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
 from flexsid.workflow.maintenance.database import BackupRequest, BackupTask, refuse_backup
 

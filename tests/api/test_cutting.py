@@ -12,7 +12,7 @@ from tests.api.conftest import Serve
 from flexsid.api.models import responses
 from flexsid.demo.flights import add_recording, fly, record_flight
 from flexsid.records.maneuver import Flight, ManeuverProposal
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.storage.store import Store
 
 API = "/api/v1/flights"

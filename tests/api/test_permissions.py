@@ -44,8 +44,9 @@ from flexsid.records.modal_data import MeasuredResponses
 from flexsid.records.note import NoteRevision, NoteSubject, SavedView
 from flexsid.records.run import Batch, Method, RunSettings, RunTemplate
 from flexsid.settings import Mode
-from flexsid.storage import access, job_log, tables
+from flexsid.storage import access, tables
 from flexsid.storage.changes import adopt_records
+from flexsid.storage.jobs import job_log
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.accounts import accounts

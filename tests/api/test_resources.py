@@ -17,11 +17,11 @@ from flexsid.records.job import JobEvent
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalTable
 from flexsid.records.validation import Comparison
-from flexsid.storage.batches import BatchProgress
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Items, Page
-from flexsid.storage.maneuver_list import ManeuverItem
-from flexsid.storage.run_list import RunItem
+from flexsid.storage.jobs.batches import BatchProgress
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Items, Page
+from flexsid.storage.lists.maneuver_list import ManeuverItem
+from flexsid.storage.lists.run_list import RunItem
 from flexsid.workflow.runs.exports import RunExport
 
 API = "/api/v1"

@@ -10,7 +10,7 @@ from waiting import ended
 from flexsid.records.decision import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.structure_determination import searches
 

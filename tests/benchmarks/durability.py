@@ -47,7 +47,7 @@ from flexsid.records.decision import (
 )
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, RunSettings
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.maintenance.database import check_database

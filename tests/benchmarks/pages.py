@@ -36,8 +36,8 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.lists.run_list import store_hash
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.run_list import store_hash
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels, jobs, maneuvers, run_summaries, runs
 

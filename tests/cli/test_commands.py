@@ -26,7 +26,7 @@ from flexsid.api.request_examples import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
 from flexsid.errors import BadInput
 from flexsid.records.decision import ModelProposal, StructureReference, Vote
-from flexsid.storage import backup as copies
+from flexsid.storage.copies import backup as copies
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, decisions
 from flexsid.workflow.review import decision_review

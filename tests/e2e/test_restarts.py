@@ -15,7 +15,7 @@ from flexsid.jobs.kinds import KINDS
 from flexsid.records.decision import Structure
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 
 from .conftest import serving

@@ -19,8 +19,8 @@ from flexsid.jobs.kinds import KINDS
 from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
-from flexsid.storage import queue
-from flexsid.storage.run_list import ESTIMATION
+from flexsid.storage.jobs import queue
+from flexsid.storage.lists.run_list import ESTIMATION
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent

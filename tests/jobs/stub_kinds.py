@@ -102,7 +102,7 @@ def save(store: Store, job: Job, request: Request, outcome: dict[str, Any]) -> N
     # Imported here, so that workers start quickly.
     import numpy as np
 
-    from flexsid.storage import queue
+    from flexsid.storage.jobs import queue
 
     with store.transaction():
         array = store.arrays.put(np.array([outcome["value"]]))
@@ -113,7 +113,7 @@ def save(store: Store, job: Job, request: Request, outcome: dict[str, Any]) -> N
 def save_run(store: Store, job: Job, request: Request, outcome: dict[str, Any]) -> None:
     import numpy as np
 
-    from flexsid.storage import queue
+    from flexsid.storage.jobs import queue
 
     with store.transaction():
         result = RunResult(

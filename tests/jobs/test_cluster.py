@@ -26,7 +26,7 @@ from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
-from flexsid.storage import job_log, leases
+from flexsid.storage.jobs import job_log, leases
 from flexsid.storage.store import Store
 
 AddJob = Callable[..., Job]

@@ -18,8 +18,8 @@ from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSetting
 from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
-from flexsid.storage import leases
-from flexsid.storage.queue import MOST_DEATHS
+from flexsid.storage.jobs import leases
+from flexsid.storage.jobs.queue import MOST_DEATHS
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent

@@ -25,8 +25,8 @@ from flexsid.records.decision import Structure
 from flexsid.records.job import Job
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
-from flexsid.storage import job_log, queue
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.jobs import job_log, queue
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]

@@ -22,8 +22,8 @@ from flexsid.records.decision import Structure
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
-from flexsid.storage import queue
 from flexsid.storage.database import sqlite_file
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery

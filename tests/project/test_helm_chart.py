@@ -22,7 +22,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from flexsid.settings import Mode, read_settings
-from flexsid.storage import backup as copies
+from flexsid.storage.copies import backup as copies
 
 CHART = Path(__file__).parents[2] / "deploy" / "helm" / "flexsid"
 SITE = {"image": "flexsid:1", "host": "flexsid.example.org", "proxies": "10.0.0.0/24"}

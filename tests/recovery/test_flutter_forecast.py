@@ -20,7 +20,7 @@ from flexsid.records.decision import Structure
 from flexsid.records.flutter import Along
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction

@@ -27,7 +27,7 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE

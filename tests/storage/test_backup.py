@@ -23,12 +23,13 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, RunState
-from flexsid.storage import backup as copies
-from flexsid.storage import leases, queue, shared_samples
 from flexsid.storage import rows as row_copy
+from flexsid.storage.copies import backup as copies
+from flexsid.storage.copies import shared_samples
+from flexsid.storage.copies.shared_samples import PARTS, SAMPLES
 from flexsid.storage.database import make_engine, parse_url
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.shared_samples import PARTS, SAMPLES
+from flexsid.storage.jobs import leases, queue
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.maintenance.database import check_database

@@ -27,11 +27,12 @@ from flexsid.records.decision import (
 )
 from flexsid.records.maneuver import Flight, Maneuver
 from flexsid.records.run import EstimationRun, Progress
-from flexsid.storage import backup as copies
-from flexsid.storage import leases, queue, tables
+from flexsid.storage import tables
 from flexsid.storage.bulk import Action, change_maneuvers
+from flexsid.storage.copies import backup as copies
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.jobs import leases, queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.maintenance.database import check_database

@@ -10,8 +10,8 @@ from sqlalchemy import event
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method, RunState
-from flexsid.storage import queue
-from flexsid.storage.maneuver_list import SORT_FIELDS, LatestRun, ManeuverFilters
+from flexsid.storage.jobs import queue
+from flexsid.storage.lists.maneuver_list import SORT_FIELDS, LatestRun, ManeuverFilters
 from flexsid.storage.store import Store
 
 AddManeuver = Callable[..., Maneuver]

@@ -23,7 +23,7 @@ from flexsid.records.run import (
     RunResult,
     RunState,
 )
-from flexsid.storage import batches, job_list, queue
+from flexsid.storage.jobs import batches, job_list, queue
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
 

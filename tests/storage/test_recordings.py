@@ -20,7 +20,7 @@ from flexsid.records.maneuver import Cut
 from flexsid.settings import read_settings
 from flexsid.storage.access import count_recorded_bytes
 from flexsid.storage.arrays import DamagedData
-from flexsid.storage.backup import backup
+from flexsid.storage.copies.backup import backup
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.recordings import Chunks, Recordings
 from flexsid.storage.store import Store

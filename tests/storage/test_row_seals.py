@@ -13,7 +13,7 @@ import pytest
 import sqlalchemy as sa
 
 from flexsid.cli.main import main
-from flexsid.storage.backup import backup
+from flexsid.storage.copies.backup import backup
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.rows import ChangedRows, drop_seals, find_changed_rows, seal_rows
 from flexsid.storage.store import Store

@@ -11,7 +11,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method, RunState
 from flexsid.storage import bulk
 from flexsid.storage.bulk import Action
-from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters
+from flexsid.storage.lists.run_list import RUN_SORT_FIELDS, RunFilters
 from flexsid.storage.store import Store
 
 AddManeuver = Callable[..., Maneuver]

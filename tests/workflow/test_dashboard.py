@@ -33,8 +33,9 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.records.search import EstimateStatus, WarningKind
-from flexsid.storage import bulk, queue
+from flexsid.storage import bulk
 from flexsid.storage.bulk import Action
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review

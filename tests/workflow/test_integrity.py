@@ -12,9 +12,9 @@ import sqlalchemy as sa
 
 from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun
-from flexsid.storage import queue
 from flexsid.storage.arrays import DamagedData, describe_array
 from flexsid.storage.content import find_changes
+from flexsid.storage.jobs import queue
 from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.storage.tables import aircraft, arrays, channels, maneuvers, predictions, runs

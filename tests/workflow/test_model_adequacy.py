@@ -22,7 +22,7 @@ from flexsid.records.run import (
     RunSettings,
     Start,
 )
-from flexsid.storage.run_list import store_summary
+from flexsid.storage.lists.run_list import store_summary
 from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 from flexsid.sysid.simulation.turbulence import Turbulence

@@ -11,7 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, RunSettings
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 from flexsid.workflow.views.time_comparison import (

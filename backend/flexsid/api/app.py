@@ -60,7 +60,7 @@ from flexsid.jobs.kinds import BACKUP, load_kinds
 from flexsid.reports import read_template
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import GIGABYTE, Quotas
-from flexsid.storage.backup import find_file
+from flexsid.storage.copies.backup import find_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams

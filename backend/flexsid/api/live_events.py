@@ -15,9 +15,9 @@ from anyio import to_thread
 
 from flexsid.errors import FlexsidError
 from flexsid.records.job import JobEvent
-from flexsid.storage import job_list, job_log
 from flexsid.storage.changes import Totals, find_changed, read_totals
-from flexsid.storage.job_list import JobItem
+from flexsid.storage.jobs import job_list, job_log
+from flexsid.storage.jobs.job_list import JobItem
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)

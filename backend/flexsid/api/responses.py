@@ -19,8 +19,8 @@ from flexsid.api.serialization import Json
 from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem
 from flexsid.figures.spec import PrintFormat, extract_curves, write_csv
 from flexsid.jobs.kind import Kind, find_job, submit
-from flexsid.storage import job_list
 from flexsid.storage.access import get_access, using_access
+from flexsid.storage.jobs import job_list
 from flexsid.storage.store import Store
 
 # --- Query parameters of the display units of a response, and of the format of a printed figure

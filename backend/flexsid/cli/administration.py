@@ -19,12 +19,12 @@ from flexsid.cli.output import print_error, print_result, print_written_file, wr
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
 from flexsid.records.account import Account, AccountRole
 from flexsid.settings import Mode, Settings
-from flexsid.storage import backup as copies
-from flexsid.storage import leases
 from flexsid.storage.access import Access, using_access
 from flexsid.storage.changes import adopt_records, read_events
+from flexsid.storage.copies import backup as copies
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import refuse_deleted
+from flexsid.storage.jobs import leases
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.rows import accept_changed_rows
 from flexsid.storage.store import Store

@@ -33,7 +33,7 @@ from flexsid.records.run import (
     Start,
 )
 from flexsid.settings import Settings
-from flexsid.storage import batches
+from flexsid.storage.jobs import batches
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.model_structures.model_structures import get_version

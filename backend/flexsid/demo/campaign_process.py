@@ -27,7 +27,7 @@ from flexsid.jobs.kinds import CROSS_PREDICTION, FLUTTER
 from flexsid.records.decision import ModelProposal, StructureReference
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
-from flexsid.storage import batches
+from flexsid.storage.jobs import batches
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.model_structures.model_structures import get_structure_of_run

@@ -32,9 +32,9 @@ from flexsid.jobs.messages import (
 from flexsid.records import finite_or_none
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Limits, Progress, ReportProgress, RunState
-from flexsid.storage import queue
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.queue import StaleAttempt
+from flexsid.storage.jobs import queue
+from flexsid.storage.jobs.queue import StaleAttempt
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_identity import add_hashes
 

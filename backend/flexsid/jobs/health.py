@@ -15,8 +15,8 @@ from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.importers import jail
-from flexsid.storage import leases, queue
-from flexsid.storage.leases import Lease
+from flexsid.storage.jobs import leases, queue
+from flexsid.storage.jobs.leases import Lease
 from flexsid.storage.store import Store
 
 # --- Process identifiers that are unique across hosts, containers and restarts --------------------

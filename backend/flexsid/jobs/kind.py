@@ -13,9 +13,9 @@ from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
 from flexsid.records.job import Job
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.request_models import check_request
-from flexsid.storage import queue
 from flexsid.storage.encoding import decode, describe_type, encode
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.jobs import queue
 from flexsid.storage.repository import read_once, reading_once
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.estimation_task import METHODS, read_versions

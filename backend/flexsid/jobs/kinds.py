@@ -23,10 +23,11 @@ from flexsid.records.validation import (
     PosteriorCheck,
 )
 from flexsid.records.views import OutputOnlyResult, Reconstruction, TransferFunctionResult
-from flexsid.storage import backup, queue
-from flexsid.storage.batches import find_derived_runs
-from flexsid.storage.run_list import ESTIMATION
-from flexsid.storage.snapshot import open_snapshot, take_snapshot
+from flexsid.storage.copies import backup
+from flexsid.storage.copies.snapshot import open_snapshot, take_snapshot
+from flexsid.storage.jobs import queue
+from flexsid.storage.jobs.batches import find_derived_runs
+from flexsid.storage.lists.run_list import ESTIMATION
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation import (
     amplitude_optimisation,

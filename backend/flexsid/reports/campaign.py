@@ -28,7 +28,7 @@ from flexsid.reports.content import (
     shown,
 )
 from flexsid.reports.credibility import report_version_credibility
-from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
+from flexsid.storage.lists.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.workflow.global_model.versions import (
     compute_coverage,

@@ -25,7 +25,7 @@ from flexsid.reports.content import (
     number,
 )
 from flexsid.reports.run import report_cross_predictions, source_facts
-from flexsid.storage.maneuver_list import LatestRun, ManeuverItem
+from flexsid.storage.lists.maneuver_list import LatestRun, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import (
     compare,

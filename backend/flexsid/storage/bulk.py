@@ -14,8 +14,8 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.run import RunState
-from flexsid.storage.campaign_rows import refuse_evidence
-from flexsid.storage.list_query import add_tag, remove_tag
+from flexsid.storage.lists.campaign_rows import refuse_evidence
+from flexsid.storage.lists.list_query import add_tag, remove_tag
 from flexsid.storage.store import Store
 from flexsid.storage.tables import maneuver_tags, maneuvers, run_tags, runs
 

@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from flexsid.records.account import AuditEvent
 from flexsid.storage.access import OPTIONAL
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Page, read_cursor
+from flexsid.storage.lists.list_query import Page, read_cursor
 from flexsid.storage.store import Store
 from flexsid.storage.tables import (
     accounts,

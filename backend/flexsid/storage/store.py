@@ -39,16 +39,16 @@ from flexsid.storage import tables
 from flexsid.storage.access import Quotas
 from flexsid.storage.arrays import Arrays, ModalShapes
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Facets, Page, read_tags
-from flexsid.storage.maneuver_list import (
+from flexsid.storage.lists.list_query import Facets, Page, read_tags
+from flexsid.storage.lists.maneuver_list import (
     ManeuverFilters,
     ManeuverItem,
     count_maneuvers,
     select_maneuvers,
 )
+from flexsid.storage.lists.run_list import RunFilters, RunItem, Runs, count_runs, select_runs
 from flexsid.storage.recordings import Recordings
 from flexsid.storage.repository import Repository
-from flexsid.storage.run_list import RunFilters, RunItem, Runs, count_runs, select_runs
 
 
 class Store:

@@ -12,7 +12,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.run import EstimationRun, ReportProgress, RunResult
-from flexsid.storage.snapshot import open_snapshot
+from flexsid.storage.copies.snapshot import open_snapshot
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.fits.estimation_task import METHODS, read_versions

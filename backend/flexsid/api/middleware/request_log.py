@@ -24,8 +24,8 @@ from flexsid.api.context import TheContext
 from flexsid.api.errors import make_problem
 from flexsid.api.router import PREFIX
 from flexsid.settings import Mode, Settings
-from flexsid.storage import job_list, leases
 from flexsid.storage.access import using_access
+from flexsid.storage.jobs import job_list, leases
 
 # --- Log and metrics of requests: an id for each, a line of JSON with accounts, and counts --------
 

@@ -33,7 +33,7 @@ from flexsid.records.modal_data import (
     ResponseFunction,
 )
 from flexsid.records.views import DefaultChannels
-from flexsid.storage.campaign_rows import QualityItem
+from flexsid.storage.lists.campaign_rows import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import Upload
 

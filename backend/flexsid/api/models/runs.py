@@ -34,7 +34,7 @@ from flexsid.records.run import (
 )
 from flexsid.request_models import body_of
 from flexsid.storage.content import find_changes
-from flexsid.storage.job_list import JobError
+from flexsid.storage.jobs.job_list import JobError
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_templates import (
     apply_run_template,

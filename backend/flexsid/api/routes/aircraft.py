@@ -18,8 +18,8 @@ from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop
 from flexsid.jobs.kinds import PREDICTION
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, DerivativeValue
 from flexsid.records.search import CampaignDashboard
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Page
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Page
 from flexsid.workflow.aircraft import derivative_predictions
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.aircraft.flight_condition import parse_thrust_table, set_thrust_table

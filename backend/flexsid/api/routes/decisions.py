@@ -50,7 +50,7 @@ from flexsid.records.decision import (
     StructureReference,
     Vote,
 )
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import split_ids

@@ -35,8 +35,8 @@ from flexsid.jobs.kinds import (
 )
 from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
 from flexsid.records.views import ExpectedMode, TargetModes
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Page
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Page
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks

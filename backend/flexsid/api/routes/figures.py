@@ -21,7 +21,7 @@ from flexsid.figure_table import FIGURES, FigureKind, draw_figure
 from flexsid.figures.bode import draw_bode
 from flexsid.figures.spec import empty, set_print_format
 from flexsid.nomenclature import GLOSSARY, TERMS, explain
-from flexsid.storage.list_query import Page
+from flexsid.storage.lists.list_query import Page
 from flexsid.sysid.model.derivatives import RIGID_BODIES
 from flexsid.text import LARGEST_ID, split_names
 from flexsid.workflow.live.live_estimator import build_live_bode

@@ -23,7 +23,7 @@ from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, PREDICTED_FLUTTER
 from flexsid.records import finite_or_none
 from flexsid.records.flutter import ClosedLoop, Controller, Flutter, LoopMargin, PredictedFlutter
-from flexsid.storage.list_query import Page
+from flexsid.storage.lists.list_query import Page
 from flexsid.text import LARGEST_ID, count_noun
 from flexsid.workflow.flutter import controllers
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery

@@ -34,7 +34,7 @@ from flexsid.records.global_model import (
     GlobalModelVersion,
     VersionDifferences,
 )
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.text import count_noun
 from flexsid.workflow.global_model import versions

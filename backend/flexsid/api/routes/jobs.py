@@ -21,10 +21,10 @@ from flexsid.api.serialization import After, Identity, Json, Limit, Reference, d
 from flexsid.records.account import AccountRole
 from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
-from flexsid.storage import job_list, job_log, leases, queue
 from flexsid.storage.access import Access, get_access, using_access
-from flexsid.storage.job_list import JobItem, Throughput
-from flexsid.storage.list_query import Items, Page
+from flexsid.storage.jobs import job_list, job_log, leases, queue
+from flexsid.storage.jobs.job_list import JobItem, Throughput
+from flexsid.storage.lists.list_query import Items, Page
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
 from flexsid.streams.live_streams import LiveStreams

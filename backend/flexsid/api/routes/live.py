@@ -34,7 +34,7 @@ from flexsid.records.live import (
 )
 from flexsid.records.run import EstimationRun
 from flexsid.records.views import DefaultChannels
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.storage.live_history import list_alarms, list_states
 from flexsid.storage.store import Store
 from flexsid.streams.receiver import Receiver

@@ -32,8 +32,8 @@ from flexsid.records.maneuver import Cut, Flight, FlightChannel, Maneuver, Maneu
 from flexsid.records.run import RunProposal
 from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.storage import bulk
-from flexsid.storage.list_query import Facets, Items, Page
-from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
+from flexsid.storage.lists.list_query import Facets, Items, Page
+from flexsid.storage.lists.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.text import LARGEST_ID, split_ids

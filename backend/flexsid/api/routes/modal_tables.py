@@ -47,7 +47,7 @@ from flexsid.records.modal_data import (
     Observability,
 )
 from flexsid.request_models import body_of
-from flexsid.storage.list_query import Page
+from flexsid.storage.lists.list_query import Page
 from flexsid.workflow.aircraft.derivative_predictions import set_mass_table
 from flexsid.workflow.flutter.flutter_summary import (
     SummaryQuery,

@@ -29,8 +29,8 @@ from flexsid.records.decision import ModelStructure, StructureVersion
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.request_models import body_of
-from flexsid.storage import queue
-from flexsid.storage.list_query import Items, Page
+from flexsid.storage.jobs import queue
+from flexsid.storage.lists.list_query import Items, Page
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.structure_determination import searches
 

@@ -15,7 +15,7 @@ from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.errors import BadInput
 from flexsid.records.note import Note, SavedView
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.workflow.review import notes as workflow
 
 # --- Notes on maneuvers, runs, modes and derivatives ----------------------------------------------

@@ -18,8 +18,8 @@ from flexsid.jobs.kinds import BACKUP
 from flexsid.records.account import AuditEvent
 from flexsid.records.run import RunState
 from flexsid.storage import changes
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Page
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Page
 from flexsid.workflow.maintenance.database import BackupRequest, find_backup, refuse_backup
 from flexsid.workflow.review.decision_review import find_clock_error
 

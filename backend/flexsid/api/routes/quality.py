@@ -31,17 +31,17 @@ from flexsid.records.job import Job
 from flexsid.records.maneuver import ConditioningStep, Correction
 from flexsid.records.quality import CompatibilityReport, ManeuverQuality
 from flexsid.records.run import RunState
-from flexsid.storage import job_list, queue
 from flexsid.storage.access import storing_in_campaign
-from flexsid.storage.campaign_rows import (
+from flexsid.storage.encoding import encode
+from flexsid.storage.jobs import job_list, queue
+from flexsid.storage.lists.campaign_rows import (
     SORT_FIELDS,
     QualityFilters,
     count_verdicts,
     list_unassessed,
     select_qualities,
 )
-from flexsid.storage.encoding import encode
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.storage.store import Store
 from flexsid.text import count_noun
 from flexsid.workflow.measurements import maneuver_spectra

@@ -29,7 +29,7 @@ from flexsid.jobs.kinds import REPORT
 from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.run import RunState
 from flexsid.reports import Report
-from flexsid.storage.job_list import JobItem
+from flexsid.storage.jobs.job_list import JobItem
 from flexsid.storage.repository import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store

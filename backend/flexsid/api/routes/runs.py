@@ -35,10 +35,11 @@ from flexsid.api.serialization import (
 )
 from flexsid.records.decision import Structure
 from flexsid.records.run import Batch, EstimationRun
-from flexsid.storage import batches, bulk
-from flexsid.storage.batches import BatchProgress
-from flexsid.storage.list_query import Facets, Items, Page
-from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
+from flexsid.storage import bulk
+from flexsid.storage.jobs import batches
+from flexsid.storage.jobs.batches import BatchProgress
+from flexsid.storage.lists.list_query import Facets, Items, Page
+from flexsid.storage.lists.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion

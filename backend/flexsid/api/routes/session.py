@@ -23,7 +23,7 @@ from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.account import AccountRole, ApiToken, LoginSession, OpenIdProvider
 from flexsid.settings import Mode, Settings
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
 from flexsid.workflow.accounts.sessions import KNOWN_DAYS

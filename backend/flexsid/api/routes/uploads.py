@@ -25,10 +25,10 @@ from flexsid.figures.time_histories import draw_time_history
 from flexsid.importers.mapping import parse_mapping
 from flexsid.jobs.kinds import IMPORT
 from flexsid.records.maneuver import StoredMapping
-from flexsid.storage import job_list
 from flexsid.storage.access import storing_in_campaign
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Items
+from flexsid.storage.jobs import job_list
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Items
 from flexsid.storage.store import Store
 from flexsid.text import join_names
 from flexsid.workflow.importing import preview, uploads

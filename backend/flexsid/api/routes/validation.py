@@ -29,7 +29,7 @@ from flexsid.records.validation import (
     DerivativeTrend,
     PosteriorCheck,
 )
-from flexsid.storage.list_query import Items
+from flexsid.storage.lists.list_query import Items
 from flexsid.text import count_noun, split_ids
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.comparison.trends import fit_derivative_trend

@@ -29,8 +29,8 @@ from flexsid.records.quality import GroundTest
 from flexsid.records.run import RunState
 from flexsid.request_models import body_of
 from flexsid.storage.access import storing_in_campaign
-from flexsid.storage.job_list import JobItem
-from flexsid.storage.list_query import Items, Page
+from flexsid.storage.jobs.job_list import JobItem
+from flexsid.storage.lists.list_query import Items, Page
 from flexsid.workflow.importing.uploads import find_folder, open_upload
 from flexsid.workflow.modal_data import ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.ground_vibration_test import ResponseEstimation, check_estimation

@@ -30,7 +30,7 @@ from flexsid.records.run import (
     RunState,
     Start,
 )
-from flexsid.storage import queue
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.flight_noise import SHARED_FREQUENCIES, Response, average_density
 from flexsid.sysid.excitation.checks import ActuatorLimits, SurfaceLimits

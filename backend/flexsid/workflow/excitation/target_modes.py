@@ -11,7 +11,7 @@ from flexsid.allowed import Allowed, Altitude, Fuel, Id
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import TargetMode, TargetModes
-from flexsid.storage.campaign_rows import list_fuel_rates
+from flexsid.storage.lists.campaign_rows import list_fuel_rates
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import (
     CATALOGUE,

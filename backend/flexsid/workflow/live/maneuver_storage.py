@@ -19,7 +19,7 @@ from flexsid.records.maneuver import (
     StepKind,
 )
 from flexsid.records.run import EstimationRun, RunSettings
-from flexsid.storage import batches
+from flexsid.storage.jobs import batches
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.maneuver_cutting import (
     RecordedFlight,

@@ -19,18 +19,18 @@ from flexsid.importers import jail
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.records.job import Job
 from flexsid.records.run import ReportProgress, RunState
-from flexsid.storage import backup as copies
 from flexsid.storage import tables
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.arrays import DamagedData, compute_checksum, hash_array, list_referring_records
 from flexsid.storage.audit_recording import is_chain_intact
 from flexsid.storage.changes import count_without_campaign, read_events
 from flexsid.storage.content import find_changes
+from flexsid.storage.copies import backup as copies
+from flexsid.storage.copies.shared_samples import SAMPLES, is_incremental
 from flexsid.storage.database import Database
 from flexsid.storage.files import make_private_folder
+from flexsid.storage.lists.run_list import SEALED, is_altered
 from flexsid.storage.rows import find_changed_rows
-from flexsid.storage.run_list import SEALED, is_altered
-from flexsid.storage.shared_samples import SAMPLES, is_incremental
 from flexsid.storage.store import Store
 from flexsid.workflow.review.audit import replay
 from flexsid.workflow.review.decision_review import find_clock_error

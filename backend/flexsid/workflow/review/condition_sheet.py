@@ -37,7 +37,7 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.records.validation import PREDICTED
-from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.storage.lists.maneuver_list import ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import (
     AGREEMENT_SIGMA,

@@ -20,8 +20,8 @@ from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.decision import HeldBy
 from flexsid.records.run import EstimationRun
 from flexsid.storage.content import find_changes
+from flexsid.storage.copies.snapshot import take_snapshot
 from flexsid.storage.signatures import SignaturePlace, read_signed, sign_content
-from flexsid.storage.snapshot import take_snapshot
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import describe_data_changes, get_result
 from flexsid.workflow.runs.exports import export_run

@@ -22,8 +22,8 @@ from flexsid.records.run import (
     ReportProgress,
     Start,
 )
-from flexsid.storage import queue
-from flexsid.storage.batches import find_equal_run
+from flexsid.storage.jobs import queue
+from flexsid.storage.jobs.batches import find_equal_run
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.model.aeroelastic import AeroelasticModel

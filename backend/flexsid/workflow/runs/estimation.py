@@ -33,8 +33,8 @@ from flexsid.records.run import (
     RunSettings,
     Start,
 )
-from flexsid.storage import queue
 from flexsid.storage.arrays import describe_array
+from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import (
     ErrorComponents,

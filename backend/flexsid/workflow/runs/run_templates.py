@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.run import Batch, EstimationRun, Method, RunSettings, RunTemplate, Start
-from flexsid.storage import batches
 from flexsid.storage.bulk import refuse_deleted
+from flexsid.storage.jobs import batches
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import StaleEdit
 from flexsid.workflow.runs import estimation

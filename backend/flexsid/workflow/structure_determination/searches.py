@@ -18,9 +18,9 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.records.search import SearchResult, StructureSearch, TermGroup
-from flexsid.storage import batches, queue
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.bulk import refuse_deleted
+from flexsid.storage.jobs import batches, queue
 from flexsid.storage.store import Store
 from flexsid.sysid.structure_determination.selection import Thresholds
 from flexsid.workflow.fits.estimation_task import EstimationTask, read_versions

@@ -25,13 +25,13 @@ from flexsid.records.search import (
     WarnedRecord,
     WarningKind,
 )
-from flexsid.storage.campaign_rows import (
+from flexsid.storage.lists.campaign_rows import (
     FailedJob,
     ManeuverCondition,
     list_failed_jobs,
     list_flown_maneuvers,
 )
-from flexsid.storage.run_list import RunRow, RunSummary, list_runs, read_summaries
+from flexsid.storage.lists.run_list import RunRow, RunSummary, list_runs, read_summaries
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import sort_names
 from flexsid.workflow.model_structures.baselines import list_approved

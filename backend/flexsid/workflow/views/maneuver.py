@@ -26,7 +26,7 @@ from flexsid.records.views import (
     EnvelopeMark,
     Spectra,
 )
-from flexsid.storage.maneuver_list import ManeuverFilters
+from flexsid.storage.lists.maneuver_list import ManeuverFilters
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE, load_sensor_models
 from flexsid.sysid.signals import FrequencyResponse

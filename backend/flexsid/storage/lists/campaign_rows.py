@@ -15,8 +15,8 @@ from flexsid.records.decision import DecisionState
 from flexsid.records.maneuver import GROUND
 from flexsid.records.quality import Figures, QualityVerdict
 from flexsid.records.run import RunState
-from flexsid.storage.list_query import ListQuery, Page
-from flexsid.storage.maneuver_list import (
+from flexsid.storage.lists.list_query import ListQuery, Page
+from flexsid.storage.lists.maneuver_list import (
     ASSESSED,
     ASSESSED_COLUMNS,
     FIGURES,

@@ -10,9 +10,9 @@ from typing import Any
 import sqlalchemy as sa
 
 from flexsid.records.run import Batch, EstimationRun, RunState
-from flexsid.storage import queue
-from flexsid.storage.job_list import count_states
-from flexsid.storage.list_query import Page, read_cursor
+from flexsid.storage.jobs import queue
+from flexsid.storage.jobs.job_list import count_states
+from flexsid.storage.lists.list_query import Page, read_cursor
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, batches, runs
 

@@ -19,9 +19,10 @@ from sqlalchemy.engine import Connection
 from flexsid.errors import Conflict
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
-from flexsid.storage import job_log, leases, run_list
 from flexsid.storage.access import Access, check_unfinished_jobs, storing_in_campaign, using_access
-from flexsid.storage.run_list import ESTIMATION, store_summary
+from flexsid.storage.jobs import job_log, leases
+from flexsid.storage.lists import run_list
+from flexsid.storage.lists.run_list import ESTIMATION, store_summary
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, runs, searches
 

@@ -13,8 +13,8 @@ from sqlalchemy.engine import RowMapping
 
 from flexsid.errors import UnknownRecord
 from flexsid.records.run import Method, Progress, RunState
-from flexsid.storage.list_query import Page, read_cursor
-from flexsid.storage.queue import JOB_CLASS
+from flexsid.storage.jobs.queue import JOB_CLASS
+from flexsid.storage.lists.list_query import Page, read_cursor
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 

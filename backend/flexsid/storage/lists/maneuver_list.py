@@ -15,7 +15,15 @@ from sqlalchemy.engine import Connection
 from flexsid.records.maneuver import GROUND
 from flexsid.records.quality import Figures, QualityVerdict
 from flexsid.records.run import Method, RunState
-from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery, Page, read_tags
+from flexsid.storage.lists.list_query import (
+    Choice,
+    Conditions,
+    Facet,
+    Facets,
+    ListQuery,
+    Page,
+    read_tags,
+)
 from flexsid.storage.tables import (
     aircraft,
     flights,

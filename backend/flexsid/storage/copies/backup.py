@@ -22,11 +22,7 @@ from sqlalchemy.pool import StaticPool
 
 from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.run import Progress, ReportProgress
-from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
-from flexsid.storage.files import DatabaseUnavailable, lock_tables, new_file
-from flexsid.storage.migrate import build_empty_database, upgrade
-from flexsid.storage.rows import add_seal_function, copy_rows, find_changed_rows, replace_tables
-from flexsid.storage.shared_samples import (
+from flexsid.storage.copies.shared_samples import (
     add_samples,
     attach_samples,
     check_samples,
@@ -35,6 +31,10 @@ from flexsid.storage.shared_samples import (
     include_samples,
     is_sound,
 )
+from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
+from flexsid.storage.files import DatabaseUnavailable, lock_tables, new_file
+from flexsid.storage.migrate import build_empty_database, upgrade
+from flexsid.storage.rows import add_seal_function, copy_rows, find_changed_rows, replace_tables
 from flexsid.storage.write_mark import (
     Written,
     accept_losses,

@@ -21,8 +21,8 @@ from flexsid.records.search import ACCURATE
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.content import find_changes, hash_content
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Facet, Facets, ListQuery, Page, read_tags
-from flexsid.storage.maneuver_list import (
+from flexsid.storage.lists.list_query import Facet, Facets, ListQuery, Page, read_tags
+from flexsid.storage.lists.maneuver_list import (
     FLOWN_COLUMNS,
     FLOWN_FACETS,
     FLOWN_FILTERS,

@@ -1,0 +1,1 @@
+"""Maneuvers and runs as pages list them: filtered, sorted, page by page."""
