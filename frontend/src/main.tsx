@@ -9,7 +9,7 @@ import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
 import { axesQuery, healthQuery, sessionQuery } from "./api/queries";
 import { SessionGate } from "./components/account/SessionGate";
-import { colorSchemeManager } from "./lib/colorScheme";
+import { colorSchemeManager } from "./lib/figures/colorScheme";
 import { setAxes } from "./lib/derivatives";
 import { router } from "./routes";
 import { theme } from "./theme";

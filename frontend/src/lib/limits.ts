@@ -1,5 +1,5 @@
 /** Ranges of conditions: stored (SI), typed and parsed. */
-import { fixed, type Convert } from "./format";
+import { fixed, type Convert } from "./text/format";
 
 export const QUANTITIES = [
   { key: "dynamic_pressure_pa", label: "Dynamic pressure", unit: "Pa", factor: 1 },

@@ -11,7 +11,7 @@ import { NewPassword, PasswordField } from "../components/account/NewPassword";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { dateMinute } from "../lib/format";
+import { dateMinute } from "../lib/text/format";
 
 /** Password and sessions of the account; a personal server has no accounts. */
 export function AccountPage() {

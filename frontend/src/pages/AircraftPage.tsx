@@ -16,7 +16,7 @@ import { quantity } from "../components/display/Quantity";
 import { PageHead } from "../components/frame/PageHead";
 import { Section } from "../components/display/Section";
 import { ThrustSection } from "../components/maneuvers/ThrustSection";
-import { fixed, percent } from "../lib/format";
+import { fixed, percent } from "../lib/text/format";
 import { someFuels } from "../lib/modes";
 
 const route = getRouteApi("/aircraft");

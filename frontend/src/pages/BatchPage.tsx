@@ -13,7 +13,7 @@ import { PageHead } from "../components/frame/PageHead";
 import { PredictLinks } from "../components/runs/PredictLinks";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { dateTime, elapsed } from "../lib/format";
+import { dateTime, elapsed } from "../lib/text/format";
 
 const route = getRouteApi("/batches/$id");
 

@@ -13,13 +13,13 @@ import { ListFoot } from "../components/controls/ListFoot";
 import { Loaded } from "../components/display/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/maneuvers/ManeuverFilters";
 import { ManeuverList } from "../components/maneuvers/ManeuverList";
-import { AssessButton } from "../components/maneuvers/QualityAssessment";
+import { AssessButton } from "../components/quality/QualityAssessment";
 import { CampaignCoverage, CampaignWarnings } from "../components/maneuvers/CampaignCoverage";
 import { PageHead } from "../components/frame/PageHead";
 import { Sections } from "../components/frame/SectionTabs";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { SavedViews } from "../components/controls/SavedViews";
-import { count } from "../lib/format";
+import { count } from "../lib/text/format";
 import { oneOf } from "../lib/urlState";
 import { CAMPAIGN_COLUMNS, type CampaignView } from "../views";
 

@@ -23,7 +23,7 @@ import { PredictLinks } from "../components/runs/PredictLinks";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { SavedViews } from "../components/controls/SavedViews";
 import { SourcePicker } from "../components/controls/SourcePicker";
-import { csv, saveText } from "../lib/csv";
+import { csv, saveText } from "../lib/text/csv";
 import { COMPARE_TABS, type CompareView } from "../views";
 
 const route = getRouteApi("/compare");

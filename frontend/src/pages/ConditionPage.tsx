@@ -16,7 +16,7 @@ import { Quantity } from "../components/display/Quantity";
 import { Figure } from "../components/figures/Figure";
 import { PageHead } from "../components/frame/PageHead";
 import { JobWait } from "../components/jobs/JobWait";
-import { dateMinute, fixed, percent } from "../lib/format";
+import { dateMinute, fixed, percent } from "../lib/text/format";
 import type { ConditionView } from "../views";
 import { conditionName } from "./ConditionsPage";
 

@@ -6,7 +6,7 @@ import { DataTable, numeric, type Column } from "../components/controls/DataTabl
 import { Loaded } from "../components/display/Loaded";
 import { quantity } from "../components/display/Quantity";
 import { PageHead } from "../components/frame/PageHead";
-import { fixed, percent } from "../lib/format";
+import { fixed, percent } from "../lib/text/format";
 
 const COLUMNS: Column<ConditionItem>[] = [
   {

@@ -13,7 +13,7 @@ import { PageHead } from "../components/frame/PageHead";
 import { ReviewRules } from "../components/decisions/ReviewRules";
 import { Section } from "../components/display/Section";
 import { StructureLink } from "../components/structures/StructureLink";
-import { dateTime } from "../lib/format";
+import { dateTime } from "../lib/text/format";
 import { limitsText } from "../lib/limits";
 import { integer } from "../lib/urlState";
 

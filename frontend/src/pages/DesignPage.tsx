@@ -20,9 +20,9 @@ import { PreflightPart } from "../components/designs/PreflightPart";
 import { Section } from "../components/display/Section";
 import { TargetModesPart } from "../components/designs/TargetModesPart";
 import { JobWait } from "../components/jobs/JobWait";
-import { overFrequency } from "../lib/band";
-import { bandOf } from "../lib/designDraft";
-import { fixed } from "../lib/format";
+import { overFrequency } from "../lib/figures/band";
+import { bandOf } from "../lib/drafts/designDraft";
+import { fixed } from "../lib/text/format";
 import { DESIGN_TABS, type DesignView } from "../views";
 
 const route = getRouteApi("/excitation/$id");

@@ -14,9 +14,9 @@ import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
 import { JobWait } from "../components/jobs/JobWait";
-import { bandOf } from "../lib/designDraft";
-import { dateTime, fixed } from "../lib/format";
-import { useDraft } from "../lib/useDraft";
+import { bandOf } from "../lib/drafts/designDraft";
+import { dateTime, fixed } from "../lib/text/format";
+import { useDraft } from "../lib/drafts/useDraft";
 import { DESIGN_SOURCES, type ExcitationView } from "../views";
 
 const DEGREE = Math.PI / 180;

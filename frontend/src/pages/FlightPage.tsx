@@ -21,7 +21,7 @@ import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
 import { byRole, named } from "../lib/channels";
-import { count, fixed, flightName, percent } from "../lib/format";
+import { count, fixed, flightName, percent } from "../lib/text/format";
 import type { FlightView } from "../views";
 
 const route = getRouteApi("/flights/$id");

@@ -42,7 +42,7 @@ import {
 } from "../components/display/Quantity";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { Section } from "../components/display/Section";
-import { converted, fixed, hertz, percent } from "../lib/format";
+import { converted, fixed, hertz, percent } from "../lib/text/format";
 import { integers } from "../lib/urlState";
 import { FLUTTER_TABS, type FlutterView } from "../views";
 

@@ -23,7 +23,7 @@ import { NumberField } from "../components/controls/NumberField";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { fixed, percent, significant, withError } from "../lib/format";
+import { fixed, percent, significant, withError } from "../lib/text/format";
 import { QUANTITIES } from "../lib/limits";
 import { oneOf } from "../lib/urlState";
 import { VARIABLES, type GlobalModelView } from "../views";

@@ -18,7 +18,7 @@ import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { Section } from "../components/display/Section";
-import { dateTime, withError } from "../lib/format";
+import { dateTime, withError } from "../lib/text/format";
 import { QUANTITIES } from "../lib/limits";
 import { integer } from "../lib/urlState";
 

@@ -11,7 +11,7 @@ import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { dateTime } from "../lib/format";
+import { dateTime } from "../lib/text/format";
 
 const route = getRouteApi("/import");
 

@@ -9,7 +9,7 @@ import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
 import { StateBadge } from "../components/runs/RunBadge";
 import { Section } from "../components/display/Section";
-import { dateTime } from "../lib/format";
+import { dateTime } from "../lib/text/format";
 
 const route = getRouteApi("/jobs/$id");
 

@@ -14,7 +14,7 @@ import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { QueueStatus } from "../components/frame/QueueStatus";
 import { Section } from "../components/display/Section";
-import { dateTime, elapsed } from "../lib/format";
+import { dateTime, elapsed } from "../lib/text/format";
 
 const route = getRouteApi("/jobs");
 

@@ -10,8 +10,8 @@ import { Loaded } from "../components/display/Loaded";
 import { quantity } from "../components/display/Quantity";
 import { PageHead } from "../components/frame/PageHead";
 import { Section } from "../components/display/Section";
-import { dateTime } from "../lib/format";
-import { tint } from "../lib/tint";
+import { dateTime } from "../lib/text/format";
+import { tint } from "../lib/figures/tint";
 
 const route = getRouteApi("/live");
 

@@ -17,7 +17,7 @@ import { ProblemAlert } from "../components/display/ProblemAlert";
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { Section } from "../components/display/Section";
 import { firstLook } from "../lib/channels";
-import { useDarkByDefault } from "../lib/colorScheme";
+import { useDarkByDefault } from "../lib/figures/colorScheme";
 
 const route = getRouteApi("/live/$id");
 

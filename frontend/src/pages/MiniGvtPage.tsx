@@ -11,7 +11,7 @@ import { Loaded } from "../components/display/Loaded";
 import { quantity, Quantity, UnitName } from "../components/display/Quantity";
 import { PageHead } from "../components/frame/PageHead";
 import { Section } from "../components/display/Section";
-import { percent } from "../lib/format";
+import { percent } from "../lib/text/format";
 
 const route = getRouteApi("/flights/$id/mini-gvt");
 

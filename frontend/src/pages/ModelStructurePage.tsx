@@ -25,11 +25,11 @@ import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { StructureConflict } from "../components/new-run/StructureConflict";
 import { StructureView } from "../components/structures/StructureView";
-import { dateTime } from "../lib/format";
+import { dateTime } from "../lib/text/format";
 import { differences, type Structure } from "../lib/structure";
 import { integer } from "../lib/urlState";
-import { useDraft } from "../lib/useDraft";
-import { useUndo } from "../lib/useUndo";
+import { useDraft } from "../lib/drafts/useDraft";
+import { useUndo } from "../lib/drafts/useUndo";
 
 const route = getRouteApi("/model-structures/$id");
 

@@ -13,11 +13,11 @@ import { Sections } from "../components/frame/SectionTabs";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
 import { derivativeNames } from "../lib/derivatives";
-import { dateTime } from "../lib/format";
+import { dateTime } from "../lib/text/format";
 import { mayHaveSymmetry } from "../lib/modes";
 import { counts } from "../lib/structure";
 import { StructureSearch } from "../components/structures/SearchForm";
-import { useDraft } from "../lib/useDraft";
+import { useDraft } from "../lib/drafts/useDraft";
 import { integer } from "../lib/urlState";
 import type { ModelStructuresView } from "../views";
 

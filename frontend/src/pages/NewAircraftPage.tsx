@@ -5,7 +5,7 @@ import { ButtonLink } from "../components/controls/ButtonLink";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { useDraft } from "../lib/useDraft";
+import { useDraft } from "../lib/drafts/useDraft";
 
 const TEMPLATE = `[aircraft]
 name = ""                          # of the aircraft and its campaign

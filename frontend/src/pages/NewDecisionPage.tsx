@@ -7,8 +7,8 @@ import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { ProposalForm } from "../components/decisions/ProposalForm";
-import { EMPTY_PROPOSAL, type ProposalDraft } from "../lib/proposal";
-import { useDraft } from "../lib/useDraft";
+import { EMPTY_PROPOSAL, type ProposalDraft } from "../lib/drafts/proposal";
+import { useDraft } from "../lib/drafts/useDraft";
 
 const route = getRouteApi("/decisions/new");
 

@@ -35,15 +35,15 @@ import {
 } from "../components/new-run/runRequest";
 import { StructureLink } from "../components/structures/StructureLink";
 import { useRunOrigin, type RunOrigin } from "../components/new-run/useRunOrigin";
-import { windowOf } from "../lib/band";
+import { windowOf } from "../lib/figures/band";
 import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
-import type { RunDraft } from "../lib/runDraft";
+import type { RunDraft } from "../lib/drafts/runDraft";
 import { axisNames } from "../lib/derivatives";
 import { mayHaveSymmetry } from "../lib/modes";
-import { listOutOfBandModes } from "../lib/runDraft";
+import { listOutOfBandModes } from "../lib/drafts/runDraft";
 import { integer } from "../lib/urlState";
-import { useDraft } from "../lib/useDraft";
+import { useDraft } from "../lib/drafts/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
 

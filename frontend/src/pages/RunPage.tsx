@@ -25,7 +25,7 @@ import { RunIntegrity } from "../components/runs/RunIntegrity";
 import { RunOutcome } from "../components/runs/RunOutcome";
 import { SensorsTab } from "../components/runs/SensorsTab";
 import { TimeTab } from "../components/runs/TimeTab";
-import { overFrequency } from "../lib/band";
+import { overFrequency } from "../lib/figures/band";
 import { parseDerivative } from "../lib/derivatives";
 import { RUN_TABS, type RunView } from "../views";
 

@@ -10,7 +10,7 @@ import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { settingsText } from "../components/new-run/runRequest";
-import { dateMinute } from "../lib/format";
+import { dateMinute } from "../lib/text/format";
 
 /** Templates of runs of all campaigns: settings under a name. */
 export function RunTemplatesPage() {

@@ -15,7 +15,7 @@ import { PageHead } from "../components/frame/PageHead";
 import { RunList } from "../components/runs/RunList";
 import { PredictLinks } from "../components/runs/PredictLinks";
 import { SavedViews } from "../components/controls/SavedViews";
-import { count } from "../lib/format";
+import { count } from "../lib/text/format";
 import { oneOf } from "../lib/urlState";
 import type { RunsView } from "../views";
 

@@ -19,7 +19,7 @@ import { StateBadge } from "../components/runs/RunBadge";
 import { Section } from "../components/display/Section";
 import { TourOffer } from "../components/frame/Tour";
 import { useProposedManeuver } from "../components/designs/useProposedManeuver";
-import { count, dateMinute } from "../lib/format";
+import { count, dateMinute } from "../lib/text/format";
 
 const LINES = 6;
 

@@ -12,7 +12,7 @@ import { NumberField } from "../components/controls/NumberField";
 import { PageHead } from "../components/frame/PageHead";
 import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
-import { dateMinute } from "../lib/format";
+import { dateMinute } from "../lib/text/format";
 
 /** API tokens of the account; a personal server has no accounts. */
 export function TokensPage() {

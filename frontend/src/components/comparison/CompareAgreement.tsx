@@ -1,6 +1,6 @@
 import { Stack } from "@mantine/core";
 import type { ComparisonRow, Pair } from "../../api/types";
-import { fixed, significant } from "../../lib/format";
+import { fixed, significant } from "../../lib/text/format";
 import type { CompareTabProps } from "./CompareDerivatives";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

@@ -1,7 +1,7 @@
 import { Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { maneuverQuery } from "../../api/queries";
-import { overFrequency } from "../../lib/band";
+import { overFrequency } from "../../lib/figures/band";
 import { excitedInputs } from "../../lib/channels";
 import type { CompareTabProps } from "./CompareDerivatives";
 import { Empty } from "../display/Empty";

@@ -1,7 +1,7 @@
 import { SegmentedControl, Select, Switch } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { maneuverQuery } from "../../api/queries";
-import { overTime } from "../../lib/band";
+import { overTime } from "../../lib/figures/band";
 import type { CompareTabProps } from "./CompareDerivatives";
 import { Empty } from "../display/Empty";
 import { Figure } from "../figures/Figure";

@@ -2,7 +2,7 @@ import { Group, SegmentedControl, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { trendQuery } from "../../api/queries";
 import type { DerivativeTrend } from "../../api/types";
-import { fixed, significant, withError } from "../../lib/format";
+import { fixed, significant, withError } from "../../lib/text/format";
 import { AGAINST } from "../../views";
 import type { CompareTabProps } from "./CompareDerivatives";
 import { DataTable, type Column } from "../controls/DataTable";

@@ -15,7 +15,7 @@ import { Loaded } from "../display/Loaded";
 import { NumberField } from "../controls/NumberField";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { Section } from "../display/Section";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { integer, integers, oneOf } from "../../lib/urlState";
 import { PARTITIONS, type CompareView } from "../../views";
 import type { CompareTabProps } from "./CompareDerivatives";

@@ -1,6 +1,6 @@
 import { Stack, Text } from "@mantine/core";
 import type { Comparison } from "../../api/types";
-import { significant } from "../../lib/format";
+import { significant } from "../../lib/text/format";
 
 /** How the runs agree among each other, and how each prediction agrees with them. */
 export function ComparisonVerdicts({ comparison }: { comparison: Comparison }) {

@@ -2,7 +2,7 @@ import { Alert, Stack } from "@mantine/core";
 import { crossValidationResult, type CrossValidationParams } from "../../api/queries";
 import type { CrossValidationSummary, ValidatedOutput } from "../../api/types";
 import { useStoredResult } from "../../api/useStoredResult";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { ComputeButton } from "../controls/ComputeButton";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Figure } from "../figures/Figure";

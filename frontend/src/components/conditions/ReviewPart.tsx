@@ -6,7 +6,7 @@ import { decisionQuery, voteEvidenceQuery } from "../../api/queries";
 import type { ConditionSheet, Decision, VoteEvidence } from "../../api/types";
 import { isOpen } from "../../api/types";
 import { parseDerivative } from "../../lib/derivatives";
-import { fixed, hertz, signedWith, withError } from "../../lib/format";
+import { fixed, hertz, signedWith, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DecisionBadge } from "../decisions/DecisionBadge";
 import { DecisionComposer } from "../decisions/DecisionComposer";

@@ -1,7 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { runQuery } from "../../api/queries";
 import type { ConditionSheet } from "../../api/types";
-import { fixed, percent, signedWith, withError } from "../../lib/format";
+import { fixed, percent, signedWith, withError } from "../../lib/text/format";
 import { DerivativeName } from "../display/DerivativeName";
 
 const SENSORS = 3;

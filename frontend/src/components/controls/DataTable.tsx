@@ -1,5 +1,5 @@
 import { useRef, useState, type ReactNode, type RefObject } from "react";
-import { copyText, tableText } from "../../lib/tableText";
+import { copyText, tableText } from "../../lib/text/tableText";
 import { SymbolTooltip } from "../display/SymbolTooltip";
 
 export interface Column<Row> {

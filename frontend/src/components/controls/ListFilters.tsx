@@ -6,7 +6,7 @@ import type { RunsView } from "../../views";
 import { FacetSelect } from "./FacetSelect";
 import { FilterInput } from "./FilterInput";
 import { SearchIcon } from "../display/icons";
-import { flightNumber } from "../../lib/format";
+import { flightNumber } from "../../lib/text/format";
 
 /** What lists of maneuvers and of runs are both filtered by. */
 type Shared = Pick<

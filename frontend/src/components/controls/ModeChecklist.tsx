@@ -2,7 +2,7 @@ import { Checkbox, Stack, Switch, Table, Text } from "@mantine/core";
 import { useState } from "react";
 import type { ModalTableDetail } from "../../api/types";
 import { axisNames } from "../../lib/derivatives";
-import { hertz } from "../../lib/format";
+import { hertz } from "../../lib/text/format";
 import { atFuel, mayHaveSymmetry } from "../../lib/modes";
 import { Quantity } from "../display/Quantity";
 

@@ -1,6 +1,6 @@
 import { Badge } from "@mantine/core";
 import type { DecisionState } from "../../api/types";
-import { tint } from "../../lib/tint";
+import { tint } from "../../lib/figures/tint";
 
 const COLORS: Record<DecisionState, string> = {
   open: "blue",

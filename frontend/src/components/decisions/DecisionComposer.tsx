@@ -4,7 +4,7 @@ import { useCommentDecision, useVote, useWithdrawDecision } from "../../api/comm
 import { asProblem } from "../../api/problem";
 import { useMay } from "../../api/roles";
 import { isOpen, type Decision, type Vote } from "../../api/types";
-import { useDraft } from "../../lib/useDraft";
+import { useDraft } from "../../lib/drafts/useDraft";
 import { NameForm } from "../account/AnalystMenu";
 import { DerivativeName } from "../display/DerivativeName";
 import { ProblemAlert } from "../display/ProblemAlert";

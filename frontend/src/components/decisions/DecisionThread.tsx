@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import type { DecisionEvent } from "../../api/types";
-import { dateTime } from "../../lib/format";
+import { dateTime } from "../../lib/text/format";
 import { DerivativeName } from "../display/DerivativeName";
 
 const DONE: Record<DecisionEvent["kind"], string> = {

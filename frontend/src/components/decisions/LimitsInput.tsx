@@ -1,5 +1,5 @@
 import { Button, Group, Select, Text } from "@mantine/core";
-import { typedNumber } from "../../lib/format";
+import { typedNumber } from "../../lib/text/format";
 import { QUANTITIES, type TypedLimits } from "../../lib/limits";
 import { NumberField } from "../controls/NumberField";
 import { UnitName } from "../display/Quantity";

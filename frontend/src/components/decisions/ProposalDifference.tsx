@@ -1,5 +1,5 @@
 import { useConversion } from "../../api/units";
-import { proposalDifferences, type StoredProposal } from "../../lib/proposal";
+import { proposalDifferences, type StoredProposal } from "../../lib/drafts/proposal";
 import { DataTable } from "../controls/DataTable";
 
 interface Props {

@@ -24,7 +24,12 @@ import { useMay } from "../../api/roles";
 import type { ModelStructure, ProposalRequest } from "../../api/types";
 import { useConversion } from "../../api/units";
 import { limitsText, typed } from "../../lib/limits";
-import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../../lib/proposal";
+import {
+  figuresOf,
+  proposalOf,
+  type ProposalDraft,
+  type Reference,
+} from "../../lib/drafts/proposal";
 import { integer } from "../../lib/urlState";
 import { NameForm } from "../account/AnalystMenu";
 import { LimitsInput } from "./LimitsInput";

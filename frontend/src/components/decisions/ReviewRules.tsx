@@ -6,7 +6,7 @@ import { useChangeRules } from "../../api/commands";
 import { reviewRulesQuery } from "../../api/queries";
 import { useMay } from "../../api/roles";
 import type { RulesHistory } from "../../api/types";
-import { dateTime } from "../../lib/format";
+import { dateTime } from "../../lib/text/format";
 import { Loaded } from "../display/Loaded";
 import { NumberField } from "../controls/NumberField";
 import { ProblemAlert } from "../display/ProblemAlert";

@@ -7,8 +7,8 @@ import {
   mergedProposal,
   type StoredProposal,
   type ProposalDraft,
-} from "../../lib/proposal";
-import { useDraft } from "../../lib/useDraft";
+} from "../../lib/drafts/proposal";
+import { useDraft } from "../../lib/drafts/useDraft";
 import { ConflictResolutions } from "../new-run/ConflictResolutions";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { ProposalDifference } from "./ProposalDifference";

@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
 import type { VoteEvidence } from "../../api/types";
-import { fixed, percent, significant, withError } from "../../lib/format";
+import { fixed, percent, significant, withError } from "../../lib/text/format";
 import { Facts } from "../display/ConditionFacts";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

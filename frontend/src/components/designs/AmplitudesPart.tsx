@@ -3,7 +3,7 @@ import { useNavigate } from "@tanstack/react-router";
 import { useRescaleDesign } from "../../api/commands";
 import { amplitudesResult } from "../../api/queries";
 import type { OptimisedError, OptimisedPeak, OptimisedAmplitudes, Design } from "../../api/types";
-import { degrees, fixed } from "../../lib/format";
+import { degrees, fixed } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

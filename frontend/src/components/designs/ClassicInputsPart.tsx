@@ -1,7 +1,7 @@
 import { Stack } from "@mantine/core";
 import { classicInputsResult } from "../../api/queries";
 import type { ComparedInput, Design, InputComparison } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

@@ -10,8 +10,14 @@ import {
 } from "@mantine/core";
 import { useState } from "react";
 import type { DesignRequest } from "../../api/types";
-import { AXES, EMPTY_DRAFT, inputsOf, requestOf, type DraftInput } from "../../lib/designDraft";
-import { useDraft } from "../../lib/useDraft";
+import {
+  AXES,
+  EMPTY_DRAFT,
+  inputsOf,
+  requestOf,
+  type DraftInput,
+} from "../../lib/drafts/designDraft";
+import { useDraft } from "../../lib/drafts/useDraft";
 import { NumberField } from "../controls/NumberField";
 
 interface Props {

@@ -2,7 +2,7 @@ import { Group } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { designChecksQuery } from "../../api/queries";
 import type { Design, DesignChecks } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import type { DesignView } from "../../views";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";

@@ -2,7 +2,7 @@ import { Checkbox, Group, Select, Stack, Text, TextInput } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { optimalDesignResult, type OptimalDesignRequest } from "../../api/queries";
 import type { Design, OptimalDesign } from "../../api/types";
-import { degrees, fixed } from "../../lib/format";
+import { degrees, fixed } from "../../lib/text/format";
 import { OBJECTIVES, type DesignView } from "../../views";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, type Column } from "../controls/DataTable";

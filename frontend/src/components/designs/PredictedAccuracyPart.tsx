@@ -1,7 +1,7 @@
 import { predictedAccuracyResult } from "../../api/queries";
 import type { Design, ExpectedError, ExpectedMode, ExpectedSummary } from "../../api/types";
-import type { overFrequency } from "../../lib/band";
-import { fixed, relativeError, withError } from "../../lib/format";
+import type { overFrequency } from "../../lib/figures/band";
+import { fixed, relativeError, withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

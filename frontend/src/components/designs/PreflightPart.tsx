@@ -5,7 +5,7 @@ import { useState } from "react";
 import { useSimulatePreflight } from "../../api/commands";
 import { preflightSimulationsQuery } from "../../api/queries";
 import type { Design, SimulationResult, SimulatedDerivative } from "../../api/types";
-import { degrees, fixed, withError } from "../../lib/format";
+import { degrees, fixed, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";
 import { Empty } from "../display/Empty";

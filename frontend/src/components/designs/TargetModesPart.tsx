@@ -2,7 +2,7 @@ import { Alert, Group, Select } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { aircraftQuery, targetModesQuery } from "../../api/queries";
 import type { Design, TargetMode } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";
 import { Loaded } from "../display/Loaded";

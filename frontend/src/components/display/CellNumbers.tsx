@@ -1,5 +1,5 @@
 import type { Parameter } from "../../api/types";
-import { relativeError, significant, withError } from "../../lib/format";
+import { relativeError, significant, withError } from "../../lib/text/format";
 
 /** Value, σ, σ in percent and F of one estimate, small enough for a cell of the grid. */
 export function CellNumbers({ parameter }: { parameter: Parameter | undefined }) {

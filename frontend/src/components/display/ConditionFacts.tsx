@@ -1,6 +1,6 @@
 import type { ReactNode } from "react";
 import type { Maneuver } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import { quantityFact } from "./Quantity";
 
 export function Facts({

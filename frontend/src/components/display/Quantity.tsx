@@ -1,6 +1,6 @@
 import type { ReactNode } from "react";
 import { useConversion } from "../../api/units";
-import { converted, fixed } from "../../lib/format";
+import { converted, fixed } from "../../lib/text/format";
 import type { Column } from "../controls/DataTable";
 
 type Maybe = number | null | undefined;

@@ -1,6 +1,6 @@
 import { Badge } from "@mantine/core";
 import type { Verdict } from "../../api/types";
-import { tint } from "../../lib/tint";
+import { tint } from "../../lib/figures/tint";
 
 export const VERDICT_COLORS: Record<Verdict, string> = {
   good: "green",

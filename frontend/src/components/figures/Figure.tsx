@@ -14,7 +14,7 @@ import { address, type QueryValue } from "../../api/client";
 import { asProblem } from "../../api/problem";
 import { figureQuery } from "../../api/queries";
 import { useConversion, useUnitParameters } from "../../api/units";
-import { figureHeight, rounded } from "../../lib/figureLayout";
+import { figureHeight, rounded } from "../../lib/figures/figureLayout";
 import { Empty } from "../display/Empty";
 import { FigureBoundary } from "./FigureBoundary";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";

@@ -6,8 +6,8 @@ import {
   themedData,
   themedLayout,
   windowed,
-} from "../../lib/figureLayout";
-import { printedFigure } from "../../lib/printFormat";
+} from "../../lib/figures/figureLayout";
+import { printedFigure } from "../../lib/figures/printFormat";
 import { followCursor } from "./linkedCursor";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 import { loadPlotly } from "./plotly";

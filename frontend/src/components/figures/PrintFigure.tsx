@@ -10,7 +10,7 @@ import {
   PRESETS,
   SIZE_MM,
   type PrintFormat,
-} from "../../lib/printFormat";
+} from "../../lib/figures/printFormat";
 import { NumberField } from "../controls/NumberField";
 
 const KEY = "flexsid.print-format";

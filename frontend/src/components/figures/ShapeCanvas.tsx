@@ -1,7 +1,7 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useEffect, useRef, useState, type KeyboardEvent, type PointerEvent } from "react";
 import type { ModeShape } from "../../api/types";
-import { toScreen, type Camera, type Point } from "../../lib/projection";
+import { toScreen, type Camera, type Point } from "../../lib/figures/projection";
 
 interface Props {
   shape: ModeShape;

@@ -1,4 +1,4 @@
-import type { PrintFormat } from "../../lib/printFormat";
+import type { PrintFormat } from "../../lib/figures/printFormat";
 
 export interface FigureEvents {
   /** A point with an id was clicked. */

@@ -6,7 +6,7 @@ import { useAnalyst } from "../../api/analyst";
 import { useMarkSeen } from "../../api/commands";
 import { notificationsQuery } from "../../api/queries";
 import type { Notifications as NotificationLists } from "../../api/types";
-import { dateTime } from "../../lib/format";
+import { dateTime } from "../../lib/text/format";
 
 /** Decisions awaiting action of the analyst, and changes since the last visit. */
 export function Notifications() {

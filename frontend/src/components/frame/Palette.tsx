@@ -14,7 +14,7 @@ import {
   decisionsQuery,
 } from "../../api/queries";
 import { useDisplayUnits } from "../../api/units";
-import { flightName } from "../../lib/format";
+import { flightName } from "../../lib/text/format";
 import { VIEWS } from "../../views";
 import { SearchIcon } from "../display/icons";
 

@@ -1,6 +1,6 @@
 import { Group, Stack, Text } from "@mantine/core";
 import type { QueueStatus as Status } from "../../api/types";
-import { duration } from "../../lib/format";
+import { duration } from "../../lib/text/format";
 
 /** State of the queue: workers, throughput, estimated completion. */
 export function QueueStatus({ status }: { status: Status }) {

@@ -1,7 +1,7 @@
 import { Button, Group, NativeSelect, Text, TextInput } from "@mantine/core";
 import { useState } from "react";
 import type { CheckedMapping } from "../../api/types";
-import { matchRules, setKey } from "../../lib/mappingText";
+import { matchRules, setKey } from "../../lib/text/mappingText";
 
 interface Props {
   checked: CheckedMapping;

@@ -18,7 +18,7 @@ import {
   setManeuver,
   setToml,
   writeQuantity,
-} from "../../lib/mappingText";
+} from "../../lib/text/mappingText";
 
 interface Props {
   text: string;

@@ -1,6 +1,6 @@
 import { Alert, Button, Group, NumberInput, Stack, Text } from "@mantine/core";
 import type { Guess } from "../../api/types";
-import { confirmPath, setKey } from "../../lib/mappingText";
+import { confirmPath, setKey } from "../../lib/text/mappingText";
 
 interface Props {
   guesses: Guess[];

@@ -2,7 +2,7 @@ import { Skeleton, useComputedColorScheme } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { mappingPreviewQuery } from "../../api/queries";
-import { figureHeight } from "../../lib/figureLayout";
+import { figureHeight } from "../../lib/figures/figureLayout";
 import { FigureBoundary } from "../figures/FigureBoundary";
 import type { PlotlyHandle } from "../figures/figureEvents";
 import { PlotlyCanvas } from "../figures/PlotlyCanvas";

@@ -1,6 +1,6 @@
 import { ActionIcon, Box, Checkbox, NativeSelect, TextInput } from "@mantine/core";
 import type { CheckedMapping } from "../../api/types";
-import { countTables, guessedKeys, readKey, removeTable, setKey } from "../../lib/mappingText";
+import { countTables, guessedKeys, readKey, removeTable, setKey } from "../../lib/text/mappingText";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 
 interface Props {

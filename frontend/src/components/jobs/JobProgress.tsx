@@ -4,7 +4,7 @@ import { useEffect } from "react";
 import { useCancelJob } from "../../api/commands";
 import { jobQuery, runQuery } from "../../api/queries";
 import { isOver } from "../../api/types";
-import { significant } from "../../lib/format";
+import { significant } from "../../lib/text/format";
 import { ProblemAlert } from "../display/ProblemAlert";
 
 /** Follows a job until it is over; its run is read again whenever the state changes. */

@@ -3,7 +3,7 @@ import { Link } from "@tanstack/react-router";
 import { address } from "../../api/client";
 import { useCancelJob, useRetryJob } from "../../api/commands";
 import { isOver, type Job } from "../../api/types";
-import { dateTime, elapsed } from "../../lib/format";
+import { dateTime, elapsed } from "../../lib/text/format";
 import { oneOf, text } from "../../lib/urlState";
 import { PARTITIONS, VARIABLES, VARIATIONS } from "../../views";
 import { DataTable, type Column } from "../controls/DataTable";

@@ -5,7 +5,7 @@ import { useEffect, useEffectEvent } from "react";
 import { useCancelJob, useRetryJob } from "../../api/commands";
 import { jobQuery } from "../../api/queries";
 import { isOver, type Job } from "../../api/types";
-import { count } from "../../lib/format";
+import { count } from "../../lib/text/format";
 import { ProblemAlert } from "../display/ProblemAlert";
 
 interface Props {

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import type { LiveState, Reception } from "../../api/types";
-import { count } from "../../lib/format";
+import { count } from "../../lib/text/format";
 import { describeHealth, describeReception } from "../../lib/live/health";
 import { Section } from "../display/Section";
 

@@ -1,5 +1,5 @@
 import type { LiveEstimate } from "../../api/types";
-import { percent } from "../../lib/format";
+import { percent } from "../../lib/text/format";
 import { Quantity, UnitName } from "../display/Quantity";
 import { Section } from "../display/Section";
 

@@ -4,7 +4,7 @@ import { useAnalyst } from "../../api/analyst";
 import { useAcknowledgeAlarm } from "../../api/commands";
 import { useConversion } from "../../api/units";
 import type { Acknowledgement, LiveAlarm, StreamChannel } from "../../api/types";
-import { fixed, significant } from "../../lib/format";
+import { fixed, significant } from "../../lib/text/format";
 import { alarmKey, splitAlarms } from "../../lib/live/alarms";
 import { NameForm } from "../account/AnalystMenu";
 import { ProblemAlert } from "../display/ProblemAlert";

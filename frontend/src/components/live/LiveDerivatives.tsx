@@ -1,5 +1,5 @@
 import type { LiveEstimate } from "../../api/types";
-import { percent, withError } from "../../lib/format";
+import { percent, withError } from "../../lib/text/format";
 import { adviseDuration } from "../../lib/live/information";
 import { DataTable, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";

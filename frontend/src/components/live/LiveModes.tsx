@@ -2,7 +2,7 @@ import { useMemo, useRef } from "react";
 import { useComputedColorScheme } from "@mantine/core";
 import { useConversion } from "../../api/units";
 import type { LiveMode, LiveState } from "../../api/types";
-import { converted, hertz, percent } from "../../lib/format";
+import { converted, hertz, percent } from "../../lib/text/format";
 import { trackModes } from "../../lib/live/tracks";
 import { CopyTable } from "../controls/DataTable";
 import { Empty } from "../display/Empty";

@@ -2,7 +2,7 @@ import { useComputedColorScheme } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { INK, type Ink } from "../../lib/figureLayout";
+import { INK, type Ink } from "../../lib/figures/figureLayout";
 
 type PlotOptions = Omit<uPlot.Options, "width" | "height">;
 

@@ -2,7 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useEffect, useState, type RefObject } from "react";
 import { healthQuery } from "../../api/queries";
 import { assessFreshness, type Freshness } from "../../lib/live/freshness";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import type { Reception } from "./useLiveStream";
 
 /** The page assesses the reception as often as this. [ms] */

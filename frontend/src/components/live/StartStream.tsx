@@ -5,7 +5,7 @@ import { useState } from "react";
 import { useStartStream } from "../../api/commands";
 import { flightsQuery, maneuverQuery, receiversQuery, runListQuery } from "../../api/queries";
 import type { Receiver, RunItem } from "../../api/types";
-import { flightName } from "../../lib/format";
+import { flightName } from "../../lib/text/format";
 import { parseTable } from "../../lib/live/table";
 import { integer } from "../../lib/urlState";
 import { Empty } from "../display/Empty";

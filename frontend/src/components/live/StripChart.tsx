@@ -1,8 +1,8 @@
 import { useCallback, useEffect, useRef } from "react";
 import type uPlot from "uplot";
 import { useConversion } from "../../api/units";
-import type { Ink } from "../../lib/figureLayout";
-import { significant } from "../../lib/format";
+import type { Ink } from "../../lib/figures/figureLayout";
+import { significant } from "../../lib/text/format";
 import { inUnit, STRIP_S, type Envelope, type Strip } from "../../lib/live/strip";
 import { axis, Plot } from "./Plot";
 import type { DrawingQueue } from "./drawingQueue";

@@ -3,7 +3,7 @@ import { Link } from "@tanstack/react-router";
 import { useAnalyst } from "../../api/analyst";
 import { useDecideTestPoint } from "../../api/commands";
 import type { LiveState, LiveTestPoint } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { ProblemAlert } from "../display/ProblemAlert";
 

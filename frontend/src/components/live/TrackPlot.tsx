@@ -1,6 +1,6 @@
 import { useCallback, useEffect, useRef } from "react";
 import type uPlot from "uplot";
-import type { Ink } from "../../lib/figureLayout";
+import type { Ink } from "../../lib/figures/figureLayout";
 import type { Tracks } from "../../lib/live/tracks";
 import { axis, Plot } from "./Plot";
 

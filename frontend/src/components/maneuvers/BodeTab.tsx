@@ -1,7 +1,7 @@
 import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { figureQuery, maneuversQuery, runsQuery } from "../../api/queries";
-import { bandOf, overFrequency, windowOf } from "../../lib/band";
+import { bandOf, overFrequency, windowOf } from "../../lib/figures/band";
 import { excitedInputs, offeredChannels } from "../../lib/channels";
 import { integers } from "../../lib/urlState";
 import { BandBar } from "./BandBar";

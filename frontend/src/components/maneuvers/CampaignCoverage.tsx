@@ -12,7 +12,7 @@ import { Loaded } from "../display/Loaded";
 import { quantity } from "../display/Quantity";
 import { Section } from "../display/Section";
 import { coefficientsIn } from "../../lib/derivatives";
-import { count, percent } from "../../lib/format";
+import { count, percent } from "../../lib/text/format";
 import { integer } from "../../lib/urlState";
 import type { CampaignView } from "../../views";
 

@@ -1,7 +1,7 @@
 import { Group } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { METHODS, type ManeuverItem } from "../../api/types";
-import { fixed, flightNumber, percent } from "../../lib/format";
+import { fixed, flightNumber, percent } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Quantity, UnitName } from "../display/Quantity";
 import { RunBadge } from "../runs/RunBadge";
@@ -9,7 +9,7 @@ import { selectColumn } from "../controls/selectColumn";
 import { Tags } from "../controls/Tags";
 import { VerdictBadge } from "../display/VerdictBadge";
 import type { CampaignView } from "../../views";
-import { QUALITY_COLUMNS } from "./QualityAssessment";
+import { QUALITY_COLUMNS } from "../quality/QualityAssessment";
 
 interface Props {
   /** Columns beside maneuver and flight; condition and runs by default. */

@@ -2,7 +2,7 @@ import { Button, Group, Text } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { useCut } from "../../api/commands";
 import type { ManeuverProposal } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { ProblemAlert } from "../display/ProblemAlert";
 

@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../../api/queries";
 import type { RunItem } from "../../api/types";
-import { dateTime, elapsed } from "../../lib/format";
+import { dateTime, elapsed } from "../../lib/text/format";
 import { latestPerMethod } from "../runs/latestRuns";
 import { CompareLink } from "../runs/CompareLink";
 import { DataTable, numeric, type Column } from "../controls/DataTable";

@@ -1,8 +1,8 @@
 import { Alert, Stack, Text } from "@mantine/core";
 import { outputOnlyResult } from "../../api/queries";
 import type { OutputOnlyResult } from "../../api/types";
-import { overFrequency } from "../../lib/band";
-import { fixed, withError } from "../../lib/format";
+import { overFrequency } from "../../lib/figures/band";
+import { fixed, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { NumberField } from "../controls/NumberField";
 import { ComputedResult } from "../display/ComputedResult";

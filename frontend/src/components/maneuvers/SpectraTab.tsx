@@ -1,6 +1,6 @@
 import { Stack, Switch } from "@mantine/core";
 import { excitedInputs, offeredChannels } from "../../lib/channels";
-import { bandOf, overFrequency, windowOf } from "../../lib/band";
+import { bandOf, overFrequency, windowOf } from "../../lib/figures/band";
 import { BandBar } from "./BandBar";
 import { ChannelPicker } from "../controls/ChannelPicker";
 import { Empty } from "../display/Empty";

@@ -2,7 +2,7 @@ import { Button, Group, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useRemoveThrust, useSetThrust } from "../../api/commands";
 import type { Aircraft, ThrustTable } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { DataTable } from "../controls/DataTable";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { Section } from "../display/Section";

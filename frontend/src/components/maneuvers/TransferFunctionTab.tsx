@@ -1,9 +1,9 @@
 import { Alert, Select, Stack, Switch } from "@mantine/core";
 import { transferFunctionResult } from "../../api/queries";
 import type { TransferFunction } from "../../api/types";
-import { overFrequency } from "../../lib/band";
+import { overFrequency } from "../../lib/figures/band";
 import { excitedInputs, named, offeredChannels } from "../../lib/channels";
-import { withError } from "../../lib/format";
+import { withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";

@@ -1,7 +1,7 @@
 import { Button, Group, Text } from "@mantine/core";
 import type { ReactNode } from "react";
 import { useConversion } from "../../api/units";
-import { significant } from "../../lib/format";
+import { significant } from "../../lib/text/format";
 
 interface Props {
   /** In s or Hz. */

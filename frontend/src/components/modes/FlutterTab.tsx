@@ -8,7 +8,7 @@ import {
 } from "../../api/queries";
 import type { Aircraft, FlutterSummary, ModalTable, SummaryRoots } from "../../api/types";
 import { useStoredResult } from "../../api/useStoredResult";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import type { ModalDataView } from "../../views";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";

@@ -5,7 +5,7 @@ import { address } from "../../api/client";
 import { useCorrectMode } from "../../api/commands";
 import { modesAtQuery } from "../../api/queries";
 import type { ModeAtFuel } from "../../api/types";
-import { fixed, percent, significant } from "../../lib/format";
+import { fixed, percent, significant } from "../../lib/text/format";
 import { symmetryLetter } from "../../lib/modes";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Figure } from "../figures/Figure";

@@ -4,7 +4,7 @@ import { useState } from "react";
 import { useUpdateModalTable } from "../../api/commands";
 import { correlationQuery } from "../../api/queries";
 import type { Correlation, ModalTable, PairedMode } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Figure } from "../figures/Figure";
 import { Loaded } from "../display/Loaded";

@@ -9,7 +9,7 @@ import {
 } from "../../api/commands";
 import { structureUploadQuery } from "../../api/queries";
 import type { Aircraft, StructureFound } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import type { ModalDataView } from "../../views";
 import { DataTable } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";

@@ -2,7 +2,7 @@ import { Group, SegmentedControl, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { observabilityQuery } from "../../api/queries";
 import type { Observability } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import { SYMMETRIES } from "../../views";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";

@@ -2,7 +2,7 @@ import { Alert, Select, Stack, TagsInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { modelOrderQuery } from "../../api/queries";
 import type { ModelOrder } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Figure } from "../figures/Figure";
 import { Loaded } from "../display/Loaded";

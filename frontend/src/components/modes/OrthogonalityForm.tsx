@@ -4,7 +4,7 @@ import { useState } from "react";
 import { useOrthogonality } from "../../api/commands";
 import { jobQuery, modalTablesQuery, orthogonalityQuery } from "../../api/queries";
 import type { Aircraft, Orthogonality, StructureFound } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import type { ModalDataView } from "../../views";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { JobWait } from "../jobs/JobWait";

@@ -13,7 +13,7 @@ import { useState } from "react";
 import { useSaveFoundModes } from "../../api/commands";
 import { foundModesResult, measuredResponsesQuery } from "../../api/queries";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
-import { fixed, percent, significant } from "../../lib/format";
+import { fixed, percent, significant } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable } from "../controls/DataTable";
 import { Empty } from "../display/Empty";

@@ -1,5 +1,5 @@
 import { Accordion, Select, SimpleGrid, Switch, TagsInput } from "@mantine/core";
-import { OUT_OF_BAND_MODES, type RunDraft } from "../../lib/runDraft";
+import { OUT_OF_BAND_MODES, type RunDraft } from "../../lib/drafts/runDraft";
 import { number } from "../../lib/urlState";
 import { NumberField } from "../controls/NumberField";
 

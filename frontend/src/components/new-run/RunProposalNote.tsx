@@ -1,6 +1,6 @@
 import { Alert, Text } from "@mantine/core";
 import type { RunProposal } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { Band, Quantity, Sentence } from "../display/Quantity";
 import { Section } from "../display/Section";
 

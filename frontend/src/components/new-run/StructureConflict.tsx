@@ -1,6 +1,6 @@
 import { Alert, Stack, Text } from "@mantine/core";
 import type { StaleStructure } from "../../api/types";
-import { dateTime } from "../../lib/format";
+import { dateTime } from "../../lib/text/format";
 import { differences, merged, type Structure } from "../../lib/structure";
 import { ConflictResolutions } from "./ConflictResolutions";
 import { StructureDifference } from "../structures/StructureDifference";

@@ -3,7 +3,7 @@ import userEvent from "@testing-library/user-event";
 import { useState } from "react";
 import { expect, it } from "vitest";
 import { EMPTY_STATES, type States } from "../../lib/structure";
-import { useUndo } from "../../lib/useUndo";
+import { useUndo } from "../../lib/drafts/useUndo";
 import { show } from "../../test/render";
 import { StructureGrid } from "./StructureGrid";
 

@@ -21,7 +21,7 @@ import {
   structureOf,
   withStructure,
   type RunDraft,
-} from "../../lib/runDraft";
+} from "../../lib/drafts/runDraft";
 import { stateOf, type Structure } from "../../lib/structure";
 
 /** The axis of a model; that of ground records and combined maneuvers is the longitudinal one. */

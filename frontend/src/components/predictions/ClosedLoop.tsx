@@ -14,7 +14,7 @@ import { ProblemAlert } from "../display/ProblemAlert";
 import { Quantity, quantity, Sentence } from "../display/Quantity";
 import { ReportMenu } from "../controls/ReportMenu";
 import { Section } from "../display/Section";
-import { degrees, fixed } from "../../lib/format";
+import { degrees, fixed } from "../../lib/text/format";
 
 /** Decibels of a factor e. */
 const DB = 20 / Math.log(10);

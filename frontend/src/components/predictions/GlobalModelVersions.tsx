@@ -5,7 +5,7 @@ import { useState } from "react";
 import { useSaveGlobalModelVersion } from "../../api/commands";
 import { globalModelVersionsQuery, type GlobalModelParams } from "../../api/queries";
 import type { ReviewedGlobalModel } from "../../api/types";
-import { dateTime } from "../../lib/format";
+import { dateTime } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DecisionBadge } from "../decisions/DecisionBadge";
 import { Empty } from "../display/Empty";

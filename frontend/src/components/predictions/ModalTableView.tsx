@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import { modalTableQuery } from "../../api/queries";
 import type { ModalTable, ModalTableDetail } from "../../api/types";
-import { hertz, percent } from "../../lib/format";
+import { hertz, percent } from "../../lib/text/format";
 import { someFuels, symmetryLetter } from "../../lib/modes";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";

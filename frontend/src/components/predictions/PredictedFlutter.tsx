@@ -1,7 +1,7 @@
 import { Alert } from "@mantine/core";
 import type { PredictedFlutter as Result } from "../../api/types";
 import type { useStoredResult } from "../../api/useStoredResult";
-import { fixed, hertz, percent } from "../../lib/format";
+import { fixed, hertz, percent } from "../../lib/text/format";
 import { ComputeButton } from "../controls/ComputeButton";
 import { Facts } from "../display/ConditionFacts";
 import { JobWait } from "../jobs/JobWait";

@@ -2,7 +2,7 @@ import { Alert, Button, Stack } from "@mantine/core";
 import { useState } from "react";
 import { aerodynamicsResult } from "../../api/queries";
 import type { AerodynamicsComparison } from "../../api/types";
-import { fixed, significant } from "../../lib/format";
+import { fixed, significant } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { UnitName, WithInterval } from "../display/Quantity";

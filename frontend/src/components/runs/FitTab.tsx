@@ -1,6 +1,6 @@
 import { SegmentedControl, Stack } from "@mantine/core";
 import { fitsCoefficients, type Run } from "../../api/types";
-import { bandOf, overFrequency, windowOf } from "../../lib/band";
+import { bandOf, overFrequency, windowOf } from "../../lib/figures/band";
 import type { RunView } from "../../views";
 import { BandBar } from "../maneuvers/BandBar";
 import { Empty } from "../display/Empty";

@@ -1,5 +1,5 @@
 import { UnstyledButton } from "@mantine/core";
-import { fixed } from "../../lib/format";
+import { fixed } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 
 interface Quality {

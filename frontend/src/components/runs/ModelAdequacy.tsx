@@ -1,7 +1,7 @@
 import { Badge, Group, Text } from "@mantine/core";
 import type { AdequacyState, ModelAdequacy, Run } from "../../api/types";
-import { significant } from "../../lib/format";
-import { tint } from "../../lib/tint";
+import { significant } from "../../lib/text/format";
+import { tint } from "../../lib/figures/tint";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";
 import { Section } from "../display/Section";

@@ -1,6 +1,6 @@
 import { Accordion, Text } from "@mantine/core";
 import type { Run } from "../../api/types";
-import { fixed, withError } from "../../lib/format";
+import { fixed, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";
 import { Sentence } from "../display/Quantity";

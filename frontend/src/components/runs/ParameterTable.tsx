@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import type { Parameter } from "../../api/types";
-import { fixed, relativeError, significant, withError } from "../../lib/format";
+import { fixed, relativeError, significant, withError } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";
 import { UnitOf } from "../display/UnitOf";

@@ -1,6 +1,6 @@
 import type { Pole } from "../../api/types";
 import { useConversion, useDisplayUnits } from "../../api/units";
-import { fixed, hertz, withError } from "../../lib/format";
+import { fixed, hertz, withError } from "../../lib/text/format";
 import { oscillation, upperHalf } from "../../lib/poles";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { UnitName } from "../display/Quantity";

@@ -2,7 +2,7 @@ import { Alert, Button, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import { posteriorResult } from "../../api/queries";
 import type { PosteriorCheck, Run } from "../../api/types";
-import { fixed, withError } from "../../lib/format";
+import { fixed, withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";

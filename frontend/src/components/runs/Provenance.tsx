@@ -1,7 +1,7 @@
 import { Stack } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { Run } from "../../api/types";
-import { dateTime, elapsed } from "../../lib/format";
+import { dateTime, elapsed } from "../../lib/text/format";
 import { heldAt, heldText } from "../../lib/structure";
 import { Facts } from "../display/ConditionFacts";
 import { Band } from "../display/Quantity";

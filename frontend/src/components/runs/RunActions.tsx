@@ -2,7 +2,7 @@ import { Button, Menu } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { runsQuery } from "../../api/queries";
 import type { Run } from "../../api/types";
-import { csv, saveText } from "../../lib/csv";
+import { csv, saveText } from "../../lib/text/csv";
 import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "../controls/ButtonLink";
 import { CompareLink } from "./CompareLink";

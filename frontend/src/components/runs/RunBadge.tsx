@@ -1,7 +1,7 @@
 import { Badge, Loader } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import type { Method, RunState } from "../../api/types";
-import { tint } from "../../lib/tint";
+import { tint } from "../../lib/figures/tint";
 
 const COLORS: Record<RunState, string> = {
   queued: "gray",

@@ -1,8 +1,8 @@
 import { Group, MultiSelect, Select, Stack } from "@mantine/core";
 import type { Maneuver, Prediction } from "../../api/types";
 import { excitedInputs, named } from "../../lib/channels";
-import { typedNumber } from "../../lib/format";
-import { bandOf, STARTS, type RunDraft, type Start } from "../../lib/runDraft";
+import { typedNumber } from "../../lib/text/format";
+import { bandOf, STARTS, type RunDraft, type Start } from "../../lib/drafts/runDraft";
 import { integer } from "../../lib/urlState";
 import { NumberField } from "../controls/NumberField";
 import { Section } from "../display/Section";

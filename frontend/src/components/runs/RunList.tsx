@@ -1,6 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { RunItem } from "../../api/types";
-import { dateMinute, dateTime, fixed, flightNumber } from "../../lib/format";
+import { dateMinute, dateTime, fixed, flightNumber } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { AdequacyBadge } from "./ModelAdequacy";
 import { StateBadge } from "./RunBadge";

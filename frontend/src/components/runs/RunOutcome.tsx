@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import type { Fit, Run } from "../../api/types";
-import { fixed, significant } from "../../lib/format";
+import { fixed, significant } from "../../lib/text/format";
 import { Facts } from "../display/ConditionFacts";
 
 /** Outcome of the estimation and its key figures. */

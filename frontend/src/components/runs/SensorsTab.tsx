@@ -1,6 +1,6 @@
 import { Text, UnstyledButton } from "@mantine/core";
 import type { ModelAdequacy, Parameter } from "../../api/types";
-import { fixed, withError } from "../../lib/format";
+import { fixed, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";
 import { Empty } from "../display/Empty";

@@ -2,7 +2,7 @@ import { MultiSelect, Select, Stack, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { maneuverQuery, maneuversQuery } from "../../api/queries";
 import { fitsCoefficients } from "../../api/types";
-import { overTime } from "../../lib/band";
+import { overTime } from "../../lib/figures/band";
 import { integer } from "../../lib/urlState";
 import { Figure } from "../figures/Figure";
 import type { RunTabProps } from "./FitTab";

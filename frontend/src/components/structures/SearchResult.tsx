@@ -8,7 +8,7 @@ import {
   type StructureSearch,
   type TermGroup,
 } from "../../api/types";
-import { fixed, percent, significant, withError } from "../../lib/format";
+import { fixed, percent, significant, withError } from "../../lib/text/format";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { DerivativeName } from "../display/DerivativeName";
 import { Figure } from "../figures/Figure";

@@ -1,5 +1,5 @@
 /** Defects of a channel in words. */
-import { count, fixed } from "../format";
+import { count, fixed } from "../text/format";
 
 interface Health {
   missing_s: number;

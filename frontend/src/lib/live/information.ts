@@ -1,4 +1,4 @@
-import { count, percent } from "../format";
+import { count, percent } from "../text/format";
 
 /**
  * Whether the maneuver may stop early, from the part of the expected Fisher information that each

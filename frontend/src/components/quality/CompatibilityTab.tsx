@@ -5,7 +5,7 @@ import { useTakeCorrections } from "../../api/commands";
 import { compatibilityResult, modalTablesQuery } from "../../api/queries";
 import type { Compatibility, Maneuver, SensorEstimate, SensorFault } from "../../api/types";
 import { useConversion } from "../../api/units";
-import { fixed, withError } from "../../lib/format";
+import { fixed, withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { DataTable, numeric, type Column } from "../controls/DataTable";

@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useUndoCorrection } from "../../api/commands";
 import { conditioningQuery } from "../../api/queries";
 import type { ConditioningStep } from "../../api/types";
-import { dateTime, fixed, significant } from "../../lib/format";
+import { dateTime, fixed, significant } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";
 import { ProblemAlert } from "../display/ProblemAlert";

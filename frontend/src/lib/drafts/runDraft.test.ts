@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { derivativeNames } from "./derivatives";
+import { derivativeNames } from "../derivatives";
 import {
   bandOf,
   draftFault,
@@ -9,7 +9,7 @@ import {
   withStates,
   withStructure,
 } from "./runDraft";
-import { EMPTY_STATES } from "./structure";
+import { EMPTY_STATES } from "../structure";
 
 const draft = { ...EMPTY_DRAFT, modes: [7] };
 

@@ -1,6 +1,6 @@
 /** Draft of a new run. */
-import { axisNames, derivativeNames } from "./derivatives";
-import { heldAt, stateOf, type FixedTo, type States, type Structure } from "./structure";
+import { axisNames, derivativeNames } from "../derivatives";
+import { heldAt, stateOf, type FixedTo, type States, type Structure } from "../structure";
 
 export const STARTS = [
   "best",

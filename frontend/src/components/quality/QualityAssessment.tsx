@@ -5,7 +5,7 @@ import { Link } from "@tanstack/react-router";
 import { useAssess } from "../../api/commands";
 import { assessmentQuery } from "../../api/queries";
 import type { ManeuverItem } from "../../api/types";
-import { count, fixed, percent } from "../../lib/format";
+import { count, fixed, percent } from "../../lib/text/format";
 import type { Column } from "../controls/DataTable";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { VerdictBadge } from "../display/VerdictBadge";

@@ -1,5 +1,5 @@
 import type { ChannelQuality } from "../../api/types";
-import { fixed, percent, significant } from "../../lib/format";
+import { fixed, percent, significant } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 
 const columns: Column<ChannelQuality>[] = [

@@ -1,5 +1,5 @@
 import type { SurfaceQuality } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent } from "../../lib/text/format";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Quantity, UnitName } from "../display/Quantity";
 

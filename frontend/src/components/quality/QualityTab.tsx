@@ -5,9 +5,9 @@ import type { ManeuverQuality } from "../../api/types";
 import { useEffect, useEffectEvent } from "react";
 import { useAssessManeuver, useTakeCorrections } from "../../api/commands";
 import { calibrationsOf, delaysOf, repairsOf } from "./corrections";
-import { count, fixed, percent, significant } from "../../lib/format";
-import { overFrequency } from "../../lib/band";
-import { BandBar } from "./BandBar";
+import { count, fixed, percent, significant } from "../../lib/text/format";
+import { overFrequency } from "../../lib/figures/band";
+import { BandBar } from "../maneuvers/BandBar";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Facts } from "../display/ConditionFacts";
@@ -18,7 +18,7 @@ import { ProblemAlert } from "../display/ProblemAlert";
 import { QualityChannels } from "./QualityChannels";
 import { QualitySurfaces } from "./QualitySurfaces";
 import { Section } from "../display/Section";
-import type { ManeuverTabProps } from "./TimeHistoryTab";
+import type { ManeuverTabProps } from "../maneuvers/TimeHistoryTab";
 import { VERDICT_COLORS } from "../display/VerdictBadge";
 
 const AVERAGES: Column<ManeuverQuality["report"]["condition"]["averages"][number]>[] = [

@@ -1,8 +1,8 @@
 /** A proposal while it is written, and what differs between two. */
-import { axisNames } from "./derivatives";
-import type { Convert } from "./format";
-import type { Limits, TypedLimits } from "./limits";
-import { limitsText, readLimits, typed } from "./limits";
+import { axisNames } from "../derivatives";
+import type { Convert } from "../text/format";
+import type { Limits, TypedLimits } from "../limits";
+import { limitsText, readLimits, typed } from "../limits";
 
 export interface Reference {
   id: number;

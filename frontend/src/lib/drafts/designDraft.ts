@@ -1,5 +1,5 @@
 /** Draft of a custom design, and its conversion to a request. */
-import { significant } from "./format";
+import { significant } from "../text/format";
 
 export const AXES = ["symmetric", "antisymmetric", "independent"] as const;
 export type Axis = (typeof AXES)[number];
