@@ -403,7 +403,17 @@ class FlutterPoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SummaryAnalysis:
+class FlutterHeading:
+    """Heading of the pages of one flutter analysis."""
+
+    subcase: int
+    configuration: str
+    symmetry: str
+    method: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SummaryAnalysis(FlutterHeading):
     """One analysis of a flutter summary, by the heading of its pages.
 
     ``mach`` and ``density_ratio`` are the lowest and highest of its rows, None where not printed.
@@ -411,10 +421,6 @@ class SummaryAnalysis:
 
     title: str
     file: str
-    subcase: int
-    configuration: str
-    symmetry: str
-    method: str
     mach: tuple[float, float] | None
     density_ratio: tuple[float, float] | None
 

@@ -9,6 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from flexsid.records.maneuver import Correction
+from flexsid.sysid.preparation.spikes_and_dropouts import DefectiveInterval
 
 # --- Compatibility of the sensors of one or many maneuvers by kinematics: faults with evidence
 
@@ -128,12 +129,9 @@ class QualityWarning:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FoundStretch:
+class FoundStretch(DefectiveInterval):
     """Samples that are a spike, a dropout or saturated, and when they begin. [s]"""
 
-    kind: str
-    first: int
-    stop: int
     start_s: float
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.records.run import AdequacyState, Aerodynamics
 from flexsid.sysid.adequacy.validation import ResidualCorrelation
 from flexsid.sysid.estimation.agreement import FALSE_ALARM_RATE
+from flexsid.sysid.estimation.estimate import PredictedOutput
 
 # --- Comparison: derivatives of several runs and predictions side by side (Fig. 17) ---------------
 
@@ -208,15 +209,6 @@ class Partition(StrEnum):
     FOLDS = "folds"
     FREQUENCIES = "frequencies"
     PERIODS = "periods"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PredictedOutput:
-    """Prediction of one measured output: R2 and Theil's inequality coefficient. [1]"""
-
-    output: str
-    r_squared: float
-    theil: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

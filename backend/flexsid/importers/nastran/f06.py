@@ -28,6 +28,7 @@ from flexsid.importers.nastran.modal_cases import (
     list_notes,
 )
 from flexsid.importers.source import Field, read_integer, read_real
+from flexsid.records.flutter import FlutterHeading
 
 # --- Flutter summaries of a Nastran printout (SOL 145), with the analysis of every row ------------
 
@@ -51,14 +52,10 @@ _COLUMNS = (
 _NEEDED = ("velocity", "damping", "frequency")
 
 
-@dataclass(frozen=True, slots=True)
-class _Page:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Page(FlutterHeading):
     """Analysis parameters from the heading of a page."""
 
-    subcase: int
-    configuration: str
-    symmetry: str
-    method: str
     mach: float
     density: float
 

@@ -348,17 +348,25 @@ _RIDGE = 1e-6  # of the residual power at one frequency
 
 
 @dataclass(frozen=True, slots=True)
-class OutputFit:
-    """Fit of one output.
+class PredictedOutput:
+    """Prediction of one measured output: R2 and Theil's inequality coefficient. [1]
 
-    ``theil`` is Theil's inequality coefficient (0 perfect, 1 none); ``whiteness`` is the
-    p-value of the Ljung-Box test of the residuals over frequency, after whitening by the
-    known correlation between the frequencies of one record.
+    ``theil`` is 0 where the prediction is perfect, and 1 where there is none.
     """
 
     output: str
     r_squared: float
     theil: float
+
+
+@dataclass(frozen=True, slots=True)
+class OutputFit(PredictedOutput):
+    """Fit of one output.
+
+    ``whiteness`` is the p-value of the Ljung-Box test of the residuals over frequency, after
+    whitening by the known correlation between the frequencies of one record.
+    """
+
     whiteness: float
 
 

@@ -210,7 +210,7 @@ def _find_sample_faults(
         moving = channel.slice_samples(excitation.interval_s)
     return tuple(
         FoundStretch(
-            kind=stretch.kind.value,
+            kind=stretch.kind,
             first=stretch.first,
             stop=stretch.stop,
             start_s=channel.get_time(stretch.first),

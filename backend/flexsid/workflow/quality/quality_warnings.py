@@ -15,6 +15,7 @@ from flexsid.records.quality import (
     SensorFinding,
     SurfaceQuality,
 )
+from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect
 from flexsid.text import join_names
 from flexsid.workflow.measurements.flight_records import MAX_CLIPPED
 from flexsid.workflow.measurements.maneuver_spectra import MAX_AIRSPEED_DRIFT, UNUSABLE_DRIFT
@@ -147,10 +148,10 @@ def _warn_of_samples(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarn
             severity = _BAD if channel.saturated > MAX_CLIPPED else _WARNING
             text = f"{channel.name} is saturated for {channel.saturated:.2%} of its samples."
             yield _warn(severity, "saturation", text, channel.name)
-        if spikes := kinds.count("spike"):
+        if spikes := kinds.count(SampleDefect.SPIKE):
             text = f"{channel.name} has {_count(spikes, 'spike')}; a repair removes them."
             yield _warn(_WARNING, "spikes", text, channel.name)
-        if dropouts := kinds.count("dropout"):
+        if dropouts := kinds.count(SampleDefect.DROPOUT):
             text = f"{channel.name} has {_count(dropouts, 'dropout')} with constant samples."
             yield _warn(_BAD, "dropouts", text, channel.name)
 
