@@ -128,7 +128,7 @@ def test_poles_have_frequency_and_damping(drawable):
     spec = draw_poles(value)
     drawable(spec)
     estimated, reference = spec["data"]
-    assert estimated["error_x"]["array"] == [0.1, None]
+    assert estimated["error_x"]["array"] == [0.2, None]
     assert "damping 0.6000" in estimated["customdata"][0][1]
     assert "0.796 Hz" in estimated["customdata"][0][1]
     assert "error_x" not in reference

@@ -318,11 +318,10 @@ def draw_derivative_coverage(value: DerivativeCoverage, coefficient: str | None 
     ]
     ticks = {"tickmode": "array", "showgrid": False}
     cells = [_format_cell(cell) for cell in value.cells]
-    speed = of_unit("V", "m/s")
     left = _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, names))
     layout = {
         "xaxis": {
-            **title(f"True airspeed [{speed.unit}], fuel [%]"),
+            **title("True airspeed, fuel"),
             **ticks,
             "tickvals": list(range(shape[1])),
             "ticktext": cells,
@@ -407,7 +406,8 @@ def _name_cell(cell: EnvelopeCell) -> str:
 
 
 def _format_cell(cell: EnvelopeCell) -> str:
-    return f"{of_unit('V', 'm/s').factor * cell.airspeed_m_s:.3g}, {100 * cell.fuel_fraction:.0f}"
+    speed = of_unit("V", "m/s")
+    return f"{speed.factor * cell.airspeed_m_s:.3g} {speed.unit}, {100 * cell.fuel_fraction:.0f} %"
 
 
 def _describe_cells(value: DerivativeCoverage) -> str:

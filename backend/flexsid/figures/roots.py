@@ -251,7 +251,7 @@ def _draw_tested(value: FlutterRoots, name: str, marker: Spec) -> list[Spec]:
     ]
 
 
-# --- Poles of the identified model in the s-plane, with ±1 standard error -------------------------
+# --- Poles of the identified model in the s-plane, with ±2 standard errors ------------------------
 
 _REFERENCE = (
     (style.GREY, "x-thin-open"),
@@ -325,7 +325,7 @@ def _draw_group(group: PoleGroup, look: tuple[str, str], names: list[str]) -> Sp
             ("error_x", [pole.real_std for pole in group.poles]),
             ("error_y", [pole.imag_std for pole in group.poles]),
         ):
-            trace[key] = error_bars(std, colour, factor=1.0, thickness=1, width=3)
+            trace[key] = error_bars(std, colour, thickness=1, width=3)
     return trace
 
 
@@ -341,5 +341,5 @@ def _describe(pole: Pole) -> str:
     return f"{place}<br>{frequency}<br>damping {-pole.real / radius:.4f}"
 
 
-def _format(value: float, error: float | None) -> str:
-    return f"{value:.3f}" if error is None else f"{value:.3f} ± {error:.3f}"
+def _format(value: float, std: float | None) -> str:
+    return f"{value:.3f}" if std is None else f"{value:.3f} ± {N_SIGMA * std:.3f}"

@@ -85,7 +85,7 @@ export function ComparePoles({ comparison, view, onChange, onRun }: CompareTabPr
   );
   return (
     <Stack gap="md">
-      <Section title="Poles" note="Of the identified models with ±1σ, and in vacuo">
+      <Section title="Poles" note="Of the identified models with ±2σ, and in vacuo">
         <Figure kind="poles" title="Poles" params={{ run_id: view.runs }} onPick={onRun} />
       </Section>
       <Section title="Fits" note="Measured and fitted data of the first outputs">

@@ -19,8 +19,9 @@ function known(pole: Pole) {
   };
 }
 
-function WithSigma({ value, sigma }: { value: number; sigma: number | null }) {
-  const shown = withError(value, sigma);
+/** A value with two standard errors, as figures show them. */
+function WithError({ value, sigma }: { value: number; sigma: number | null }) {
+  const shown = withError(value, sigma === null ? null : 2 * sigma);
   return (
     <span style={{ whiteSpace: "nowrap" }}>
       {shown.value}
@@ -32,14 +33,14 @@ function WithSigma({ value, sigma }: { value: number; sigma: number | null }) {
 function Frequency({ pole }: { pole: Pole }) {
   const { hertz: value, hertzStd: std } = known(pole);
   const { factor } = useConversion()("Hz");
-  return <WithSigma value={factor * value} sigma={std === null ? null : factor * std} />;
+  return <WithError value={factor * value} sigma={std === null ? null : factor * std} />;
 }
 
 const columns: Column<Pole>[] = [
   { key: "name", header: "Mode", render: (pole) => pole.name || "–" },
   {
     key: "hertz",
-    header: "Frequency",
+    header: "Frequency ±2σ",
     unit: <UnitName unit="Hz" />,
     numeric: true,
     render: (pole) => <Frequency pole={pole} />,
@@ -47,9 +48,9 @@ const columns: Column<Pole>[] = [
   numeric("omega", "Frequency", (pole) => fixed(known(pole).omega, 2), "rad/s"),
   {
     key: "damping",
-    header: "Damping ratio",
+    header: "Damping ratio ±2σ",
     numeric: true,
-    render: (pole) => <WithSigma value={known(pole).damping} sigma={known(pole).dampingStd} />,
+    render: (pole) => <WithError value={known(pole).damping} sigma={known(pole).dampingStd} />,
   },
   numeric("real", "Real", (pole) => fixed(pole.real, 3), "1/s"),
 ];
