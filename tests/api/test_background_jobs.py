@@ -39,7 +39,9 @@ def test_design_is_created_by_a_job(empty: TestClient):
     log = [line["kind"] for line in empty.get(f"{begun.headers['location']}/log").json()["items"]]
     assert log[0] == "queued"
     assert log[-1] == "succeeded"
-    assert empty.get(f"{API}/jobs/status").json()["typical_s"]["excitation-design"] > 0.0
+    typical = empty.get(f"{API}/jobs/status").json()["typical_s"]
+    assert typical["excitation-design"] > 0.0
+    assert typical["mode-identification"] == 36.0, "that of the demonstration, until one has ended"
 
 
 def test_a_running_design_is_cancelled_and_can_be_retried(empty: TestClient):

@@ -78,6 +78,8 @@ class Kind(Generic[Request, Result]):
         whose result is never that of an earlier request.
     priority
         Jobs of higher priority start first.
+    usual_s
+        Time to expect until one has ended: that of the demonstration. None where it is short. [s]
     """
 
     name: str
@@ -89,6 +91,7 @@ class Kind(Generic[Request, Result]):
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
     priority: int = 0
+    usual_s: float | None = None
 
     def read_request(self, job: Job) -> Request:
         """Return the request of a job."""

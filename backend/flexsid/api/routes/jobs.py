@@ -18,6 +18,7 @@ from flexsid.api.live_events import JobUpdate
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Identity, Json, Limit, Reference, dump_json
+from flexsid.jobs.kinds import load_kinds
 from flexsid.records.account import AccountRole
 from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
@@ -55,7 +56,8 @@ class WorkerPool:
 class QueueStatus:
     """The queue: jobs by state, recently ended ones, and estimated time until it is empty.
 
-    ``typical_s`` is the median computing time of recent jobs of each kind. [s]
+    ``typical_s`` is the median computing time of recent jobs of each kind, that of the
+    demonstration where none has ended. [s]
     """
 
     remaining_s: float | None
@@ -92,6 +94,8 @@ def list_jobs(
 def get_queue_status(store: TheStore) -> Json:
     """Return the state of the queue and its workers."""
     rate = job_list.count_throughput(store)
+    usual = {name: kind.usual_s for name, kind in load_kinds().items() if kind.usual_s is not None}
+    rate = replace(rate, typical_s=usual | rate.typical_s)
     pool = leases.status(store)
     return Json(
         extend_record(

@@ -6,6 +6,7 @@ import { jobQuery, runQuery } from "../../api/queries";
 import { isOver } from "../../api/types";
 import { significant } from "../../lib/text/format";
 import { ProblemAlert } from "../display/ProblemAlert";
+import { UsualTime } from "./JobWait";
 
 /** Follows a job until it is over; its run is read again whenever the state changes. */
 export function JobProgress({ id }: { id: number }) {
@@ -36,6 +37,7 @@ export function JobProgress({ id }: { id: number }) {
               {progress?.message === "" ? "Estimating" : (progress?.message ?? "Starting")}
               {progress && progress.iteration > 0 && `, iteration ${progress.iteration}`}
               {progress?.cost != null && `, cost ${significant(progress.cost, 6)}`}
+              <UsualTime kind={job.data.kind} />
             </>
           )}
         </Text>

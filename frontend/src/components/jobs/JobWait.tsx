@@ -3,9 +3,9 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useEffect, useEffectEvent } from "react";
 import { useCancelJob, useRetryJob } from "../../api/commands";
-import { jobQuery } from "../../api/queries";
+import { jobQuery, queueQuery } from "../../api/queries";
 import { isOver, type Job } from "../../api/types";
-import { count } from "../../lib/text/format";
+import { count, duration } from "../../lib/text/format";
 import { ProblemAlert } from "../display/ProblemAlert";
 
 interface Props {
@@ -60,7 +60,8 @@ export function JobWait({ id, onEnd }: Props) {
         <>
           <Group justify="space-between" mb={6}>
             <Text size="sm" className="numbers" aria-live="polite">
-              {stateText(job)}{" "}
+              {stateText(job)}
+              <UsualTime kind={job.kind} />{" "}
               <Link to="/jobs/$id" params={{ id }} className="link">
                 Job {id}
               </Link>
@@ -85,6 +86,15 @@ export function JobWait({ id, onEnd }: Props) {
       )}
     </div>
   );
+}
+
+const SHORT_S = 5;
+
+/** How long jobs of a kind usually take, where it is long enough to wait for. */
+export function UsualTime({ kind }: { kind: string }) {
+  const usual = useQuery({ ...queueQuery, staleTime: 60_000 }).data?.typical_s[kind];
+  if (usual === undefined || usual < SHORT_S) return null;
+  return `, usually ${usual < 60 ? `${Math.round(usual)} s` : duration(usual)}`;
 }
 
 /** What a job that has not ended does or waits for. */
