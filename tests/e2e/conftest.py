@@ -166,7 +166,10 @@ def watched_page(browser: Browser, server: str, refused: int | None = None) -> I
 @contextmanager
 def opened_page(browser: Browser, server: str) -> Iterator[Page]:
     """A page in a context of its own."""
-    context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
+    # Animations without a screen are drawn by the processor that computes.
+    context = browser.new_context(
+        viewport={"width": 1440, "height": 1000}, base_url=server, reduced_motion="reduce"
+    )
     page = context.new_page()
     page.set_default_timeout(PATIENCE_MS)
     yield page
