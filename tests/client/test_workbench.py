@@ -373,3 +373,20 @@ def test_options_of_a_receiver_are_parsed() -> None:
     for text in ("port", "=5", "channels.=x"):
         with pytest.raises(BadInput, match="expected NAME=VALUE"):
             parse_options([text])
+
+
+def test_samples_are_those_that_runs_use(workbench: Workbench) -> None:
+    samples = workbench.samples(1, ["q", "wf4s"], start_s=1.0, stop_s=2.0)
+    assert samples.attrs["units"] == {"q": "rad/s", "wf4s": "rad"}
+    assert (samples.index.name, samples.index[0]) == ("time_s", 1.0)
+    drawn = workbench.numbers("time-history", maneuver_id=1, channels=["q"])
+    recorded = workbench.samples(1, ["q"])["q"]
+    assert recorded.loc[samples.index].equals(samples["q"])
+    assert abs(drawn["y"]).max() == pytest.approx(np.rad2deg(recorded.abs().max()), rel=1e-3)
+    rows = workbench.get_bytes("maneuvers/1/samples", channels="q,wf4s", format="csv").splitlines()
+    assert rows[0] == b"time_s,q [rad/s],wf4s [rad]"
+    assert len(rows) == recorded.size + 1
+    with pytest.raises(RequestRefused, match="no channel 'flux'; it has"):
+        workbench.samples(1, ["flux"])
+    with pytest.raises(RequestRefused, match="both start_s and stop_s"):
+        workbench.samples(1, ["q"], start_s=1.0)

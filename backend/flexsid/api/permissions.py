@@ -48,6 +48,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         "get_dashboard",
         *("find_maneuvers", "list_ground_tests", "get_ground_test"),
         *("list_maneuvers", "list_maneuver_facets", "get_maneuver", "get_run_proposal"),
+        "get_samples",
         *("get_quality", "list_conditioning", "list_qualities", "list_mappings", "get_mapping"),
         *("list_modal_tables", "get_model_order", "get_modal_table", "list_modes", "get_shape"),
         *("get_correlation", "get_observability", "download_modes", "download_archive"),

@@ -83,18 +83,24 @@ FILES: dict[int | str, dict[str, Any]] = {
 }
 """Media types of a figure response besides JSON, for the OpenAPI description."""
 
+CSV_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"text/csv": {"schema": {"type": "string", "format": "binary"}}}}
+}
+"""Media type of a table besides JSON."""
+
 
 def respond_with_figure(spec: dict[str, Any], form: Form) -> Response:
     """Return the response of a figure, or of its data as a file."""
     if form == "csv":
         content = write_csv(spec).encode()
-        return _make_file_response(content, "text/csv; charset=utf-8")
+        return make_file_response(content, "text/csv; charset=utf-8")
     if form == "mat":
-        return _make_file_response(_write_matlab(spec), "application/octet-stream")
+        return make_file_response(_write_matlab(spec), "application/octet-stream")
     return Json(spec)
 
 
-def _make_file_response(content: bytes, media_type: str) -> Response:
+def make_file_response(content: bytes, media_type: str) -> Response:
+    """Return a file to download."""
     # Without a file name: the page names the download.
     disposition = {"Content-Disposition": "attachment"}
     return Response(content, media_type=media_type, headers=disposition)

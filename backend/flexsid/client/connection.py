@@ -327,6 +327,17 @@ def read_csv(content: bytes) -> pandas.DataFrame:
     return _pandas().read_csv(io.BytesIO(content))
 
 
+def join_samples(channels: list[dict[str, Any]]) -> pandas.DataFrame:
+    """Join the samples of channels by time; units are in ``attrs``."""
+    columns = [
+        _pandas().Series(one["values"], index=one["time_s"], name=one["name"], dtype=float)
+        for one in channels
+    ]
+    table = _pandas().concat(columns, axis=1).sort_index().rename_axis("time_s")
+    table.attrs["units"] = {one["name"]: one["unit"] for one in channels}
+    return table
+
+
 def _pandas() -> ModuleType:
     try:
         import pandas

@@ -13,6 +13,7 @@ from flexsid.client.connection import (
     ProgressLine,
     RunFailed,
     describe_failure,
+    join_samples,
     matrix,
     poll_until_ended,
     read_csv,
@@ -162,6 +163,18 @@ class Workbench:
         ``sort`` and so on filter and sort the list as on the page.
         """
         return self.table("maneuvers", limit, **query)
+
+    def samples(
+        self, maneuver_id: int, channels: Iterable[str] | None = None, **interval: float
+    ) -> pandas.DataFrame:
+        """Return samples as runs use them: in SI units, with corrections, by time in s.
+
+        ``start_s`` and ``stop_s`` select an interval. ``attrs["units"]`` has the units; channels
+        with other times than the first have missing values between theirs.
+        """
+        names = {} if channels is None else {"channels": list(channels)}
+        found = self.get(f"maneuvers/{maneuver_id}/samples", **names, **interval)
+        return join_samples(found)
 
     def runs(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
         """Return runs, newest first; filter by ``maneuver_id``, ``method`` or ``state``."""

@@ -32,7 +32,7 @@ from flexsid.records.modal_data import (
     ModeAtFuel,
     ResponseFunction,
 )
-from flexsid.records.views import DefaultChannels
+from flexsid.records.views import ChannelTrace, DefaultChannels
 from flexsid.storage.lists.campaign_rows import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import Upload
@@ -218,6 +218,11 @@ class ModeShape:
     displacement_m: list[tuple[float, float, float]]
     lines: list[tuple[int, int]]
     quadrature_m: list[tuple[float, float, float]] | None
+
+
+@response_of(ChannelTrace)
+class ChannelSamples:
+    """Samples of one channel at its own times; see ``ChannelTrace``."""
 
 
 @response_of(ResponseFunction)

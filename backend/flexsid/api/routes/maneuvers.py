@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import Annotated, Literal
 
-from fastapi import Depends, File, Form, Query, UploadFile
+from fastapi import Depends, File, Form, Query, Response, UploadFile
 
 from flexsid.api.context import TheContext, TheStore, save_files
 from flexsid.api.models.requests import ChangeRequest, CutRequest
-from flexsid.api.models.responses import ChangedRecords, ManeuverDetail, extend_record
+from flexsid.api.models.responses import (
+    ChangedRecords,
+    ChannelSamples,
+    ManeuverDetail,
+    extend_record,
+)
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_job_routes
+from flexsid.api.responses import CSV_FILE, add_job_routes, make_file_response
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -36,19 +41,24 @@ from flexsid.storage.lists.list_query import Facets, Items, Page
 from flexsid.storage.lists.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import ModelAxis
-from flexsid.text import LARGEST_ID, split_ids
+from flexsid.text import LARGEST_ID, split_ids, split_names
 from flexsid.workflow.importing import maneuver_cutting
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
-from flexsid.workflow.views.maneuver import select_default_channels
+from flexsid.workflow.views.maneuver import (
+    read_samples,
+    select_default_channels,
+    write_samples,
+)
 
 # --- Maneuvers: filtered list, details, and import from files -------------------------------------
 
 maneuvers_router = make_router("/maneuvers", tag="maneuvers", route_class=JsonRoute)
 
 Frequency = Annotated[float | None, Query(ge=0.0, le=1e4, allow_inf_nan=False)]
+Time = Annotated[float | None, Query(ge=-1e9, le=1e9, allow_inf_nan=False, description="[s]")]
 _LARGEST_MAPPING = 1024**2
 
 Filters = Annotated[ManeuverFilters, Depends(read_query(ManeuverFilters))]
@@ -110,6 +120,32 @@ def get_run_proposal(
     band = None if low_hz is None or high_hz is None else (low_hz, high_hz)
     further = split_ids(additional_maneuver_ids, "additional_maneuver_ids")
     return propose_run(store, (maneuver_id, *further), band, axis)
+
+
+@maneuvers_router.get(
+    "/{maneuver_id}/samples", response_model=list[ChannelSamples], responses=CSV_FILE
+)
+def get_samples(
+    store: TheStore,
+    maneuver_id: Identity,
+    channels: Annotated[
+        str | None, Query(description="Names of channels or combinations; all without.")
+    ] = None,
+    start_s: Time = None,
+    stop_s: Time = None,
+    form: Annotated[
+        Literal["json", "csv"],
+        Query(alias="format", description="JSON, or CSV of channels with the same times."),
+    ] = "json",
+) -> Response:
+    """Return samples as runs use them: in SI units, with the corrections of the maneuver."""
+    if (start_s is None) != (stop_s is None):
+        raise BadInput("give both start_s and stop_s, or neither", code="bad-interval")
+    interval = None if start_s is None or stop_s is None else (start_s, stop_s)
+    traces = read_samples(store, maneuver_id, split_names(channels), interval)
+    if form == "csv":
+        return make_file_response(write_samples(traces).encode(), "text/csv; charset=utf-8")
+    return Json(traces)
 
 
 # The figure of the reconstruction has its result.

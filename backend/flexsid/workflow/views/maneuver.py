@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Unpack
@@ -143,6 +145,65 @@ def read_traces(
     return tuple(
         _build_trace(name, terms, samples, steps, interval_s) for name, terms in parts.items()
     )
+
+
+_MOST_SAMPLES = 5_000_000
+
+
+def read_samples(
+    store: Store,
+    maneuver_id: int,
+    names: Sequence[str] | None = None,
+    interval_s: Interval | None = None,
+) -> tuple[ChannelTrace, ...]:
+    """Read samples of channels as they are estimated with: in SI units, with corrections.
+
+    Without names of all channels.
+
+    Raises
+    ------
+    BadInput
+        As ``read_traces``, or if more than five million samples were requested.
+    """
+    maneuver = store.maneuvers.get(maneuver_id)
+    recorded = store.channels.find(maneuver_id=maneuver_id)
+    parts = _find(store, maneuver, names or [channel.name for channel in recorded])
+    count = 0
+    for (channel, _), *_ in parts.values():
+        window = channel.slice_samples(interval_s or (channel.start_s, channel.stop_s))
+        count += window.stop - window.start
+    if count > _MOST_SAMPLES:
+        raise BadInput(
+            f"{count} samples were requested, more than {_MOST_SAMPLES} at once; name channels, or "
+            "an interval by start_s and stop_s",
+            code="too-many-samples",
+        )
+    return read_traces(store, maneuver, tuple(parts), interval_s)
+
+
+def write_samples(traces: Sequence[ChannelTrace]) -> str:
+    """Write samples as CSV: a column of time and one for each channel.
+
+    Raises
+    ------
+    BadInput
+        If the channels have different times.
+    """
+    first = traces[0]
+    for one in traces:
+        if not np.array_equal(one.time_s, first.time_s):
+            raise BadInput(
+                f"{first.name} and {one.name} were not sampled at the same times, and a table has "
+                "one column of time; request them separately, or as JSON",
+                code="unequal-channels",
+                channel=one.name,
+            )
+    head = ["time_s", *(f"{one.name} [{one.unit}]" if one.unit else one.name for one in traces)]
+    out = io.StringIO()
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(head)
+    rows.writerows(np.column_stack([first.time_s, *(one.values for one in traces)]).tolist())
+    return out.getvalue()
 
 
 def find_sampling(
