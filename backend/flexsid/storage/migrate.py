@@ -1,4 +1,8 @@
-"""Migrate a database to the schema of this software, after a copy of its file."""
+"""Migrate a database to the schema of this software, after a copy of its file.
+
+Alembic and the migrations are loaded where there is something to migrate: that takes longer than
+all else that a command does with a database of the newest schema.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +13,9 @@ import tempfile
 from contextlib import closing
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import sqlalchemy as sa
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from alembic.script.revision import ResolutionError
-from alembic.util import CommandError
 from sqlalchemy.engine import Connection
 
 import flexsid
@@ -32,6 +31,9 @@ from flexsid.storage.files import DatabaseUnavailable, create_database, lock_tab
 from flexsid.storage.rows import drop_seals, seal_rows
 from flexsid.storage.tables import metadata
 from flexsid.storage.write_mark import find_losses
+
+if TYPE_CHECKING:
+    from alembic.script import ScriptDirectory
 
 _log = logging.getLogger(__name__)
 _MIGRATING = 0x666C6D67  # any number not used by other advisory locks
@@ -83,9 +85,6 @@ def build_empty_database() -> tuple[str, bytes]:
 def migrate_to(url: str, target: str) -> str:
     """Migrate a database to one revision, up or down; see ``upgrade``."""
     parsed = parse_url(url)
-    config = Config()
-    config.set_main_option("script_location", str(find_migrations()).replace("%", "%%"))
-    scripts = ScriptDirectory.from_config(config)
     file = sqlite_file(parsed)
     if file is not None:
         create_database(file)
@@ -100,7 +99,17 @@ def migrate_to(url: str, target: str) -> str:
                 connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATING)))
             if file is not None:
                 find_losses(file, get_driver_connection(connection))  # before anything is written
-            present = _present_revision(connection, scripts)
+            present = _read_revision(connection)
+            if target == "head" and present == find_newest():
+                return present
+            from alembic import command
+            from alembic.config import Config
+            from alembic.script import ScriptDirectory
+
+            config = Config()
+            config.set_main_option("script_location", str(find_migrations()).replace("%", "%%"))
+            scripts = ScriptDirectory.from_config(config)
+            _check_revision(present, scripts)
             requested = scripts.get_current_head() if target == "head" else target
             if present == requested and present is not None:
                 return present
@@ -117,7 +126,7 @@ def migrate_to(url: str, target: str) -> str:
                 and requested in {s.revision for s in scripts.iterate_revisions(present, "base")}
             )
             (command.downgrade if going_down else command.upgrade)(config, target)
-            reached = _present_revision(connection, scripts)
+            reached = _read_revision(connection)
             if reached == scripts.get_current_head():
                 seal_rows(connection, damaged)
             return reached or "base"
@@ -141,6 +150,12 @@ def find_migrations() -> Path:
     )
 
 
+def find_newest() -> str:
+    """Return the newest revision, by the names of the migrations: ``0051_...`` is ``0051``."""
+    files = (find_migrations() / "versions").glob("[0-9]*_*.py")
+    return max(file.name.partition("_")[0] for file in files)
+
+
 def _reject_foreign(connection: Connection) -> None:
     """Reject a database with tables of another program, or without its alembic_version."""
     present = set(sa.inspect(connection).get_table_names()) - {"alembic_version"}
@@ -155,10 +170,19 @@ def _reject_foreign(connection: Connection) -> None:
         )
 
 
-def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str | None:
-    revision = MigrationContext.configure(connection).get_current_revision()
-    if revision is None:
+def _read_revision(connection: Connection) -> str | None:
+    if not sa.inspect(connection).has_table("alembic_version"):
         return None
+    return connection.scalar(sa.text("SELECT version_num FROM alembic_version"))
+
+
+def _check_revision(revision: str | None, scripts: ScriptDirectory) -> None:
+    """Refuse a revision of a newer release."""
+    from alembic.script.revision import ResolutionError
+    from alembic.util import CommandError
+
+    if revision is None:
+        return
     try:
         scripts.get_revision(revision)
     except (CommandError, ResolutionError) as error:
@@ -166,7 +190,6 @@ def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str |
             f"the database has schema {revision}, which flexsid {flexsid.__version__} does not"
             f" support (newest: {scripts.get_current_head()}); use a newer flexsid"
         ) from error
-    return revision
 
 
 def _copy_database(file: Path, revision: str) -> Path | None:

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float, Int
-from scipy import interpolate
 
 from flexsid.sysid.model.airspeed import AIRSPEED
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
@@ -157,10 +157,11 @@ class FlightRecord:
         return {}
 
     @cached_property
-    def _curves(self) -> dict[str, interpolate.BSpline]:
+    def _curves(self) -> dict[str, scipy.interpolate.BSpline]:
         every = (*self.sensors, *(() if self.airspeed is None else (self.airspeed,)))
         return {
-            one.name: interpolate.make_interp_spline(one.time, one.samples, k=3) for one in every
+            one.name: scipy.interpolate.make_interp_spline(one.time, one.samples, k=3)
+            for one in every
         }
 
     def sample(self, sensor: CompatibilitySensor, delay_s: float) -> Float[np.ndarray, " n"]:

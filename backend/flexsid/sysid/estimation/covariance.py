@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import Estimate, scale_rows
@@ -362,10 +362,10 @@ def invert_regular(
     scaled: Float[np.ndarray, "n_theta n_theta"],
 ) -> Float[np.ndarray, "n_theta n_theta"] | None:
     """Invert an information matrix of unit diagonal; None where it may be singular."""
-    factor, info = lapack.dpotrf(scaled, lower=False)
+    factor, info = scipy.linalg.lapack.dpotrf(scaled, lower=False)
     if info != 0:
         return None
-    upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
+    upper = scipy.linalg.lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
     inverse = upper + upper.T  # LAPACK leaves the zeros below the diagonal
     np.fill_diagonal(inverse, np.diag(upper))
     condition = np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max()

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Complex, Float
-from scipy import linalg, special
 
 # --- Error components: errors of an estimate by their causes, which other estimates share ---------
 
@@ -436,8 +436,8 @@ def whiten(
     """
     if correlation is None:
         return residuals
-    factor = linalg.cholesky(correlation + _RIDGE * np.eye(len(correlation)), lower=True)
-    return linalg.solve_triangular(factor, residuals, lower=True)
+    factor = scipy.linalg.cholesky(correlation + _RIDGE * np.eye(len(correlation)), lower=True)
+    return scipy.linalg.solve_triangular(factor, residuals, lower=True)
 
 
 def whiteness(residual: Complex[np.ndarray, " n_omega"], lags: int = 10) -> float:
@@ -458,4 +458,4 @@ def whiteness(residual: Complex[np.ndarray, " n_omega"], lags: int = 10) -> floa
     for lag in range(1, lags + 1):
         r = np.vdot(nu[:-lag], nu[lag:]) / power
         statistic += 2.0 * n * (n + 2) / (n - lag) * float(np.abs(r) ** 2)
-    return float(special.chdtrc(2 * lags, statistic))
+    return float(scipy.special.chdtrc(2 * lags, statistic))

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Complex, Float
-from scipy import linalg
 
 from flexsid.errors import Cancelled
 from flexsid.sysid.estimation.end_states import add_end_states, list_end_state_names
@@ -95,7 +95,7 @@ def compute_leakage_responses(
     free = system.C @ np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, identity)
     reference = float(np.median(delays_s))
     for output, delay in enumerate(delays_s.tolist()):
-        before = linalg.expm(system.A * (reference - delay))
+        before = scipy.linalg.expm(system.A * (reference - delay))
         free[:, output] = np.exp(s * delay)[:, None] * (free[:, output] @ before)
     return _start_at(edges_s, omega, free[:, :, states])
 

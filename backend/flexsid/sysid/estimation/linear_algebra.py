@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy.linalg import lapack
 
 # --- Inverses of one small matrix per frequency, by elimination at all frequencies at once --------
 
@@ -113,7 +113,7 @@ def list_curvatures(N: np.ndarray, concentrated: np.ndarray, *, slow: bool) -> I
     if concentrated.size:
         reduction = concentrated @ concentrated.T
         yield N - reduction
-        factor, info = lapack.dpotrf(N, lower=True) if slow else (N, 1)
+        factor, info = scipy.linalg.lapack.dpotrf(N, lower=True) if slow else (N, 1)
         if info == 0:
             half = np.linalg.solve(factor, reduction)
             shares, directions = np.linalg.eigh(np.linalg.solve(factor, half.T))
@@ -132,8 +132,8 @@ def solve_damped_step(
     """
     damped = matrix.copy(order="F")
     damped.ravel("K")[:: len(damped) + 1] += damping * diagonal
-    factor, info = lapack.dpotrf(damped, lower=False, overwrite_a=True, clean=False)
-    return None if info != 0 else lapack.dpotrs(factor, gradient, lower=False)[0]
+    factor, info = scipy.linalg.lapack.dpotrf(damped, lower=False, overwrite_a=True, clean=False)
+    return None if info != 0 else scipy.linalg.lapack.dpotrs(factor, gradient, lower=False)[0]
 
 
 def compute_step_size(N: np.ndarray, delta: np.ndarray) -> float:
@@ -152,10 +152,10 @@ def compute_bounds(N: Float[np.ndarray, "n_theta n_theta"]) -> np.ndarray | None
     if not np.all(own > 0.0):
         return None
     size = 1.0 / np.sqrt(own)
-    factor, info = lapack.dpotrf(N * np.outer(size, size), lower=False)
+    factor, info = scipy.linalg.lapack.dpotrf(N * np.outer(size, size), lower=False)
     if info != 0:
         return None
-    inverse = lapack.dpotri(factor, lower=False)[0]
+    inverse = scipy.linalg.lapack.dpotri(factor, lower=False)[0]
     return size * np.sqrt(0.5 * np.diag(inverse))
 
 

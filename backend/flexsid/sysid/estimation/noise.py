@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy import optimize, special
 
 from flexsid.sysid.spectra.residual_spectrum import build_local_fits
 
@@ -413,7 +413,7 @@ def compute_band_powers(
             rho = float(power[output] / n / noise[output])
             share = float(free[output]) / n
             variance = moments[0] * share**2 + moments[1] * share * rho + moments[2] * rho**2
-            p = float(special.ndtr((share - rho) / np.sqrt(variance)))
+            p = float(scipy.special.ndtr((share - rho) / np.sqrt(variance)))
             if p < _TAIL:
                 p = _compute_tail(np.linalg.eigvalsh(share * np.diag(unit) - rho * R))
             yield BandPower(
@@ -437,14 +437,14 @@ def _compute_tail(eigenvalues: Float[np.ndarray, " n"]) -> float:
     if values.max() <= 0.0 or values.min() >= 0.0 or values.sum() >= 0.0:
         return float(values.max() > 0.0)
 
-    s = optimize.brentq(
+    s = scipy.optimize.brentq(
         _differentiate_cumulant, 0.0, (1.0 - _ROUNDING) / values.max(), args=(values,)
     )
     cumulant = -float(np.sum(np.log1p(-s * values)))
     w = np.sqrt(-2.0 * cumulant)
     v = s * np.sqrt(np.sum((values / (1.0 - s * values)) ** 2))
     density = np.exp(-0.5 * w**2) / np.sqrt(2.0 * np.pi)
-    return float(np.clip(special.ndtr(-w) + density * (1.0 / v - 1.0 / w), 0.0, 1.0))
+    return float(np.clip(scipy.special.ndtr(-w) + density * (1.0 / v - 1.0 / w), 0.0, 1.0))
 
 
 def _differentiate_cumulant(s: float, eigenvalues: np.ndarray) -> float:

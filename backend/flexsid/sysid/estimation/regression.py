@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
@@ -139,7 +139,7 @@ def regress(
             f"{', '.join(names)} fixed",
             code="collinear",
         )
-    theta = linalg.solve_triangular(r, q.T @ target) / scale
+    theta = scipy.linalg.solve_triangular(r, q.T @ target) / scale
     if errors is not None:
         fit, inverse = compensate_bias(X, z, theta, errors)
         return _add_covariance(X, z, fit, inverse, errors)
@@ -158,7 +158,7 @@ def invert_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
     condition number is the square of that of A.
     Source: Golub and Van Loan, Matrix Computations, 4th ed., sec. 5.3.
     """
-    return linalg.solve_triangular(r, np.eye(len(r)))
+    return scipy.linalg.solve_triangular(r, np.eye(len(r)))
 
 
 def _as_real(values: np.ndarray) -> np.ndarray:

@@ -15,8 +15,8 @@ from typing import Annotated
 
 import numpy as np
 import orjson
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Float, Int
-from scipy import io as matlab
 
 from flexsid.allowed import Allowed, Name, Number, Positive
 from flexsid.errors import BadInput
@@ -321,7 +321,7 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
         )
     with TemporaryDirectory(prefix="flexsid-") as folder:
         file = Path(folder) / "excitation.mat"
-        matlab.savemat(file, content, oned_as="column")
+        scipy.io.savemat(file, content, oned_as="column")
         return file.read_bytes()
 
 

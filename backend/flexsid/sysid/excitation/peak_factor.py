@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Float, Int
-from scipy import fft, linalg, optimize
 
 # --- Minimise the L_p norms of many multisines at once, by Gauss-Newton in their phases -----------
 
@@ -43,11 +43,11 @@ class HarmonicSpectrum:
         spectrum[:, self.harmonics] = (
             -0.5j * n_samples * self.amplitudes * np.exp(1j * np.asarray(phases))
         )
-        return fft.irfft(spectrum, n_samples, axis=1)
+        return scipy.fft.irfft(spectrum, n_samples, axis=1)
 
     def grid_size(self, points: int) -> int:
         """Samples per period with at least so many in the shortest period of a sine."""
-        return int(fft.next_fast_len(max(64, points * int(self.harmonics.max())), real=True))
+        return int(scipy.fft.next_fast_len(max(64, points * int(self.harmonics.max())), real=True))
 
 
 def lower_norms(
@@ -123,7 +123,7 @@ def _derivatives(
 ]:
     """Gradient and Gauss-Newton Hessian of the log of the L_p norm."""
     k, a = spectrum.harmonics, spectrum.amplitudes
-    of_weights = np.asarray(fft.rfft(weights, axis=1), dtype=complex) / weights.shape[1]
+    of_weights = np.asarray(scipy.fft.rfft(weights, axis=1), dtype=complex) / weights.shape[1]
     difference = k[:, None] - k
     turned = a * np.exp(1j * phases)
     # mean(w z_i z_j) and mean(w z_i conj z_j), with z_i = a_i exp(j (2 pi k_i t + phi_i)).
@@ -217,7 +217,7 @@ def refine_peaks(
             gradient, hessian = _soft_derivatives(unit, now, temperature)
             spread = np.trace(hessian) / phases.size
             hessian[np.diag_indices(phases.size)] += damping * spread
-            step = linalg.solve(hessian, gradient, assume_a="pos", check_finite=False)
+            step = scipy.linalg.solve(hessian, gradient, assume_a="pos", check_finite=False)
             step /= max(1.0, float(np.abs(step).max()) / 0.3)
             tried = phases - step
             then = _find_extrema(unit, tried)
@@ -385,7 +385,7 @@ def start_at_zero(
     before, after = value(crossing / n_grid), value((crossing + 1) / n_grid)
     shift = crossing / n_grid
     if before * after < 0.0:  # else the wave is zero at one of the two samples
-        shift = optimize.brentq(value, shift, (crossing + 1) / n_grid, xtol=1e-15)
+        shift = scipy.optimize.brentq(value, shift, (crossing + 1) / n_grid, xtol=1e-15)
     elif abs(after) < abs(before):
         shift = (crossing + 1) / n_grid
     return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Float, Int
-from scipy import linalg, optimize
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.regression import invert_triangular
@@ -325,7 +325,7 @@ class GlobalFit:
             solution = self._solve(*np.split(np.exp(x), [self.p]))
             return solution.objective, solution.gradient
 
-        found = optimize.minimize(
+        found = scipy.optimize.minimize(
             evaluate,
             x,
             jac=True,
@@ -374,9 +374,11 @@ class GlobalFit:
             own = self.runs.flights == flight
             A_own, b_own = self._assemble(W, own)
             factor = _factorise(A - A_own + prior)
-            w = linalg.cho_solve(factor, b - b_own).reshape(self.p, self.k)
+            w = scipy.linalg.cho_solve(factor, b - b_own).reshape(self.p, self.k)
             residual[own] = (self.y[own] - self.terms[own] @ w.T) * self.present[own]
-            C = combine_terms(linalg.cho_solve(factor, np.eye(self.p * self.k)), self.terms[own])
+            C = combine_terms(
+                scipy.linalg.cho_solve(factor, np.eye(self.p * self.k)), self.terms[own]
+            )
             covariance[own] += C * self.present[own][:, :, None] * self.present[own][:, None, :]
         return residual, covariance
 
@@ -432,8 +434,8 @@ class GlobalFit:
         W, log_det = self._invert(self._add_scatter(scatter))
         A, b = self._assemble(W, slice(None))
         factor = _factorise(A + np.diag(self._prior_precision(curvature)))
-        w = linalg.cho_solve(factor, b).reshape(self.p, self.k)
-        covariance = linalg.cho_solve(factor, np.eye(b.size))
+        w = scipy.linalg.cho_solve(factor, b).reshape(self.p, self.k)
+        covariance = scipy.linalg.cho_solve(factor, np.eye(b.size))
         e = (self.y - self.terms @ w.T) * self.present
         We = (W @ e[:, :, None])[:, :, 0]
         WCW = W @ combine_terms(covariance, self.terms) @ W
@@ -501,8 +503,8 @@ def combine_terms(
 def _factorise(A: np.ndarray) -> tuple[np.ndarray, bool]:
     """Factorise a normal matrix (Cholesky), or state that it is singular."""
     try:
-        return linalg.cho_factor(A, lower=True)
-    except linalg.LinAlgError as error:
+        return scipy.linalg.cho_factor(A, lower=True)
+    except scipy.linalg.LinAlgError as error:
         raise NotIdentifiable(
             "the normal matrix of the global model is singular; add runs or reduce the variables"
         ) from error

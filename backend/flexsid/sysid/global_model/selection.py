@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Float
-from scipy import linalg, special
 
 from flexsid.sysid.global_model.fit import (
     GlobalFit,
@@ -117,7 +117,10 @@ def _compute_log_densities(
     """Log density of each normal residual; places of absent derivatives have variance one."""
     L = np.linalg.cholesky(covariance)
     whitened = np.array(
-        [linalg.solve_triangular(half, e, lower=True) for half, e in zip(L, residual, strict=True)]
+        [
+            scipy.linalg.solve_triangular(half, e, lower=True)
+            for half, e in zip(L, residual, strict=True)
+        ]
     )
     log_det = 2.0 * np.log(np.diagonal(L, axis1=1, axis2=2)).sum(axis=1)
     return -0.5 * (np.sum(whitened**2, axis=1) + log_det + counts * np.log(2.0 * np.pi))
@@ -322,15 +325,15 @@ def _compare(
     sigma = np.sqrt(np.diag(S))
     z, direction = e / sigma, predicted / sigma
     L = np.linalg.cholesky(S / np.outer(sigma, sigma))
-    whitened = linalg.solve_triangular(L, z, lower=True)
+    whitened = scipy.linalg.solve_triangular(L, z, lower=True)
     chi_square = float(whitened @ whitened)
     groups = _list_groups(names)
     columns = np.array([own for _, own in groups]).T * direction[:, None]
-    moved = linalg.solve_triangular(L, columns, lower=True)
+    moved = scipy.linalg.solve_triangular(L, columns, lower=True)
     std = 1.0 / np.sqrt(np.maximum(np.sum(moved**2, axis=0), np.finfo(float).tiny))
     ratio = (moved.T @ whitened) * std
     best = int(np.argmax(np.abs(ratio)))
-    of_factor = len(groups) * 2.0 * float(special.stdtr(freedom, -abs(ratio[best])))
+    of_factor = len(groups) * 2.0 * float(scipy.special.stdtr(freedom, -abs(ratio[best])))
     of_all = _compute_probability(chi_square, len(names), freedom)
     (row, variable), _ = groups[best]
     explained = float(ratio[best] ** 2 / chi_square)
@@ -361,4 +364,4 @@ def _compute_probability(chi_square: float, p: int, freedom: int) -> float:
     nu = float(freedom)
     mean = p * nu / (nu - 2.0)
     variance = 2.0 * p * nu**2 * (nu - 1.0) / ((nu - 2.0) ** 2 * (nu - 4.0))
-    return float(special.gammaincc(mean**2 / variance, chi_square * mean / variance))
+    return float(scipy.special.gammaincc(mean**2 / variance, chi_square * mean / variance))

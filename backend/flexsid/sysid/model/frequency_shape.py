@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy.interpolate import CubicSpline
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import FlightCondition
@@ -58,7 +58,7 @@ class FrequencyShape:
                 f"{self.k[-1]:.3g}; compute the prediction to a higher one or shorten the band",
                 code="frequency-out-of-range",
             )
-        return np.asarray(CubicSpline(self.k, self.factors, axis=0)(k))
+        return np.asarray(scipy.interpolate.CubicSpline(self.k, self.factors, axis=0)(k))
 
     def select(self, modes: tuple[int, ...], inputs: tuple[str, ...]) -> FrequencyShape:
         """Return the shape of some modes and inputs; others than known ones are unshaped."""
@@ -143,7 +143,7 @@ def build_frequency_shape(
             continue
         if not np.isfinite(values).all():
             raise BadInput(f"the predicted {name} is not a number", code="not-finite", name=name)
-        reference = float(np.real(CubicSpline(k, values)(reference_k)))
+        reference = float(np.real(scipy.interpolate.CubicSpline(k, values)(reference_k)))
         if abs(reference) <= smallest_ratio * np.abs(values).max():
             unshaped.append(name)
             continue

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import comb, factorial
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Float
-from scipy import linalg
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.aeroelastic import StateSpace
@@ -90,7 +90,7 @@ def realise_transfer_functions(
         a, b, c, d = _realise(numerator, denominator)
         into, out = np.zeros((b.size, n_read)), np.zeros((n_driven, b.size))
         into[:, column], out[row] = b, c
-        A, B, C = linalg.block_diag(A, a), np.vstack([B, into]), np.hstack([C, out])
+        A, B, C = scipy.linalg.block_diag(A, a), np.vstack([B, into]), np.hstack([C, out])
         D[row, column] += d
     return A, B, C, D
 
@@ -159,7 +159,7 @@ def discretise(
 ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n m"]]:
     """Compute the transition over one step, and the effect of constant inputs over it."""
     n, m = B.shape
-    exponential = linalg.expm(np.block([[A, B], [np.zeros((m, n + m))]]) * step_s)
+    exponential = scipy.linalg.expm(np.block([[A, B], [np.zeros((m, n + m))]]) * step_s)
     return exponential[:n, :n], exponential[:n, n:]
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float, Inexact, Int
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from flexsid.errors import BadInput
 
@@ -90,7 +89,7 @@ def rotate_complex_shapes(
 def compute_mass_orthogonality(
     a: Float[np.ndarray, "n_a n_dof"],
     b: Float[np.ndarray, "n_b n_dof"],
-    mass: Float[np.ndarray, "n_dof n_dof"] | sparse.csr_array,
+    mass: Float[np.ndarray, "n_dof n_dof"] | scipy.sparse.csr_array,
 ) -> Float[np.ndarray, "n_a n_b"]:
     """Orthogonality of two sets of shapes over a mass matrix: 1 of the same shape, -1 to 1.
 
@@ -108,7 +107,7 @@ def compute_mass_orthogonality(
 
 def _compute_lengths(
     shapes: Float[np.ndarray, "n n_dof"],
-    mass: Float[np.ndarray, "n_dof n_dof"] | sparse.csr_array,
+    mass: Float[np.ndarray, "n_dof n_dof"] | scipy.sparse.csr_array,
 ) -> Float[np.ndarray, " n"]:
     generalized = np.einsum("nd,nd->n", shapes, (mass @ shapes.T).T)
     if (generalized <= 0).any():
@@ -299,7 +298,9 @@ the omitted degrees of freedom is singular to the precision of the file."""
 
 
 def reduce_statically(
-    mass: sparse.csr_array, stiffness: sparse.csr_array, retained: Int[np.ndarray, " n_retained"]
+    mass: scipy.sparse.csr_array,
+    stiffness: scipy.sparse.csr_array,
+    retained: Int[np.ndarray, " n_retained"],
 ) -> Float[np.ndarray, "n_retained n_retained"]:
     """Reduce a mass matrix to some degrees of freedom by static condensation.
 
@@ -328,10 +329,10 @@ def reduce_statically(
     omitted = np.flatnonzero(~is_retained & (np.asarray(size).ravel() > 0.0))
     transform = np.zeros((omitted.size, retained.size))
     if omitted.size:
-        inner = sparse.csc_array(stiffness[omitted][:, omitted])
+        inner = scipy.sparse.csc_array(stiffness[omitted][:, omitted])
         right = stiffness[omitted][:, retained].toarray()
         try:
-            transform = -splu(inner).solve(right)
+            transform = -scipy.sparse.linalg.splu(inner).solve(right)
             error = float(np.abs(inner @ transform + right).max(initial=0.0))
         except RuntimeError:  # "Factor is exactly singular"
             error = np.inf

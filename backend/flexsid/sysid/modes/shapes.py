@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Float, Int
-from scipy.spatial import cKDTree
 
 from flexsid.errors import BadInput
 
@@ -200,7 +200,7 @@ def _find_pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pai
         return empty
     for plane in (0.0, 0.5 * (low + high)):
         image = nodes * _MIRROR + np.array([0.0, 2.0 * plane, 0.0])
-        found = cKDTree(nodes).query(image)
+        found = scipy.spatial.cKDTree(nodes).query(image)
         distance, place = np.asarray(found[0]), np.asarray(found[1])
         near = np.flatnonzero(distance <= tolerance)
         apart = np.abs(nodes[near, 1] - plane) > tolerance
@@ -250,7 +250,7 @@ def connect_neighbours(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray,
     k = min(_NEIGHBOURS, n - 1)
     if k < 1:
         return np.empty((0, 2), dtype=np.intp)
-    found = cKDTree(nodes).query(nodes, k=k + 1)
+    found = scipy.spatial.cKDTree(nodes).query(nodes, k=k + 1)
     distance, near = np.asarray(found[0])[:, 1:], np.asarray(found[1])[:, 1:]
     usual = float(np.median(distance[:, 0]))
     close = distance <= max(_FAR * usual, float(np.median(distance)) * _FAR)
@@ -274,6 +274,6 @@ def contract_lines(
     array
         Pairs of rows of ``shown``, each once.
     """
-    nearest = np.asarray(cKDTree(nodes[shown]).query(nodes)[1])
+    nearest = np.asarray(scipy.spatial.cKDTree(nodes[shown]).query(nodes)[1])
     pairs = np.sort(nearest[lines], axis=1)
     return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0).astype(np.intp)

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Float, Int, Num
-from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.modes.assurance import compute_mac
 from flexsid.sysid.modes.shapes import StructuralModes
@@ -99,7 +98,7 @@ def track_modes(
     for row in range(1, n_fuel):
         alike = compute_mac(reference, shapes[row])
         distance = np.abs(np.log((omega[row] + 1e-9) / (last[:, None] + 1e-9)))
-        order = linear_sum_assignment(-alike + 0.05 * np.minimum(distance, 1.0))[1]
+        order = scipy.optimize.linear_sum_assignment(-alike + 0.05 * np.minimum(distance, 1.0))[1]
         followed = shapes[row, order]
         assurance = alike[np.arange(n_modes), order]
         sign = np.where(np.sum(reference * followed, axis=1) < 0, -1.0, 1.0)
@@ -237,7 +236,7 @@ def compute_fuel_weights(
         return {n - 1: 1.0}
     unit = np.eye(n)
     slopes = np.gradient(unit, fuel, axis=0, edge_order=2 if n > 2 else 1)
-    weights = CubicHermiteSpline(fuel, unit, slopes)(at)
+    weights = scipy.interpolate.CubicHermiteSpline(fuel, unit, slopes)(at)
     return {row: float(weight) for row, weight in enumerate(weights) if weight != 0.0}
 
 

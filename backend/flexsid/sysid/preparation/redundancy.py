@@ -19,8 +19,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float, Int
-from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import (
@@ -347,7 +347,7 @@ def compute_fault_variance(
     whitened residuals have unit variance at each frequency by the choice of the noise.
     """
     size = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    share, axes = linalg.eigh(signal / np.outer(size, size), normal / np.outer(size, size))
+    share, axes = scipy.linalg.eigh(signal / np.outer(size, size), normal / np.outer(size, size))
     weighted = axes / np.maximum(share, _LEAST_SHARE) / size[:, None]
     bread = weighted @ (axes / size[:, None]).T
     return np.maximum(0.5 * np.sum(weighted**2, axis=1), np.diag(bread @ scatter @ bread))

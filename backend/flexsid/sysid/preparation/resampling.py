@@ -14,8 +14,8 @@ from fractions import Fraction
 from typing import Literal
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float, Int
-from scipy import fft, interpolate
 
 from flexsid.errors import BadInput
 
@@ -87,8 +87,8 @@ def resample(
     middle = 0.5 * time[n_end - 1]
     ahead = max(1, min(round(_EXTENSION_S * rate_hz), x.size - 1))
     x = _extend(x - (low + slope * (time - middle)), ahead)
-    length = fft.next_fast_len(-(-x.size // ratio.denominator)) * ratio.denominator
-    spectrum = fft.rfft(x, length)
+    length = scipy.fft.next_fast_len(-(-x.size // ratio.denominator)) * ratio.denominator
+    spectrum = scipy.fft.rfft(x, length)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.size) / length
     bottom, top = (0.0, 0.5 * min(rate_hz, target_rate_hz)) if band_hz is None else band_hz
     gain, delay_s = _invert_response(omega, response)
@@ -101,7 +101,7 @@ def resample(
     out[:n_common] = spectrum[:n_common]
     if n_common == out.size and out_length % 2 == 0 and out_length < length:
         out[-1] = np.real(out[-1])
-    y = fft.irfft(out, out_length) * (out_length / length)
+    y = scipy.fft.irfft(out, out_length) * (out_length / length)
     target_time = later + np.arange(count) / target_rate_hz
     inside = y[np.arange(count) % out_length]
     if bottom > 0.0:
@@ -261,4 +261,4 @@ def fill_between(
     index = np.clip(np.arange(samples.size), new[0], new[-1])
     if between is BetweenSamples.LINEAR:
         return np.interp(index, new, samples[new])
-    return interpolate.make_interp_spline(new, samples[new], k=3)(index)
+    return scipy.interpolate.make_interp_spline(new, samples[new], k=3)(index)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Float
-from scipy import interpolate, ndimage
 
 from flexsid.errors import BadInput
 
@@ -97,7 +97,7 @@ def find_defects(
         held = _find_held(x, first, stop, moving) & _find_jumps(x, first, stop, digit) & ~saturated
     taken = np.repeat(held | saturated, stop - first)
     spikes = _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
-    spikes &= ~ndimage.binary_dilation(taken, iterations=2)
+    spikes &= ~scipy.ndimage.binary_dilation(taken, iterations=2)
     limit = _SPIKE * _estimate_local_scale(_compute_misfit(x), digit)
     for run in _find_runs(spikes):
         spikes[run] = not _is_at_edge(x, run, limit)
@@ -154,7 +154,7 @@ def repair_samples(
                 "an interval has no valid samples around it to interpolate", code="bad-stretch"
             )
         degree = min(3, around.size - 1)
-        curve = interpolate.make_interp_spline(around, x[around], k=degree)
+        curve = scipy.interpolate.make_interp_spline(around, x[around], k=degree)
         result[run] = curve(np.arange(first, stop))
     return result
 
@@ -205,7 +205,7 @@ def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.nda
     """Samples that are outliers, the largest of each group of neighbours."""
     away = _compute_misfit(x)
     size = np.abs(away)
-    largest = size >= ndimage.maximum_filter1d(size, 5)
+    largest = size >= scipy.ndimage.maximum_filter1d(size, 5)
     there, back = np.diff(x, prepend=x[0]), np.diff(x, append=x[-1])
     returns = (there * back < 0) & (np.minimum(np.abs(there), np.abs(back)) > 0.4 * size)
     # A spike changes its neighbours' cubics by two thirds; a step, only the one before it.
@@ -216,7 +216,7 @@ def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.nda
 
 def _find_wide_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
     """Outliers of a few samples: far from the running median, with a jump on both sides."""
-    away = x - ndimage.median_filter(x, 2 * _WIDEST_SPIKE + 1, mode="nearest")
+    away = x - scipy.ndimage.median_filter(x, 2 * _WIDEST_SPIKE + 1, mode="nearest")
     steps = np.abs(np.diff(x, prepend=x[0]))
     usual = _SPIKE * _estimate_local_scale(steps, digit)
     jump = steps > usual
@@ -235,7 +235,7 @@ def _estimate_local_scale(values: Float[np.ndarray, " n"], digit: float) -> Floa
     """Robust standard deviation around every sample, nowhere less than of the record."""
     size = np.abs(values)
     step = max(1, values.size // 2000)
-    local = ndimage.median_filter(size[::step], max(3, _LOCAL // step), mode="reflect")
+    local = scipy.ndimage.median_filter(size[::step], max(3, _LOCAL // step), mode="reflect")
     spread = np.interp(np.arange(values.size), np.arange(0, values.size, step), local)
     least = max(float(np.median(size)), 1e-3 * float(np.std(values)), _ROUNDED * digit)
     return 1.4826 * np.maximum(spread, least)
@@ -286,7 +286,7 @@ def _list_runs(first: np.ndarray, stop: np.ndarray) -> list[slice]:
 
 
 def _find_runs(mask: Bool[np.ndarray, " n"]) -> list[slice]:
-    return [run for (run,) in ndimage.find_objects(ndimage.label(mask)[0])]
+    return [run for (run,) in scipy.ndimage.find_objects(scipy.ndimage.label(mask)[0])]
 
 
 # --- Checks of samples as they arrive: spikes, frozen channels, short gaps ------------------------

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Float
-from scipy import fft
 
 from flexsid.allowed import Allowed, Name, Positive
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
@@ -161,14 +161,14 @@ def apply_instruments(
     record: no discretisation of filters, and delays of any length.
     """
     n_samples = true.shape[0]
-    length = fft.next_fast_len(n_samples + round(_SETTLING_S * rate_hz), real=True)
-    omega = 2.0 * np.pi * fft.rfftfreq(length, 1.0 / rate_hz)
+    length = scipy.fft.next_fast_len(n_samples + round(_SETTLING_S * rate_hz), real=True)
+    omega = 2.0 * np.pi * scipy.fft.rfftfreq(length, 1.0 / rate_hz)
     recorded = np.empty_like(true)
     for instrument in dict.fromkeys(instruments):
         columns = [k for k, own in enumerate(instruments) if own == instrument]
-        spectra = fft.rfft(true[:, columns], length, axis=0)
+        spectra = scipy.fft.rfft(true[:, columns], length, axis=0)
         spectra *= instrument.response(omega)[:, None]
-        recorded[:, columns] = fft.irfft(spectra, length, axis=0)[:n_samples]
+        recorded[:, columns] = scipy.fft.irfft(spectra, length, axis=0)[:n_samples]
     return recorded
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from math import copysign, inf
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Float
-from scipy import linalg
 
 from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.model.aeroelastic import StateSpace
@@ -280,7 +280,7 @@ def build_limited_actuator(limits: ActuatorLimits, sample_s: float) -> LimitedAc
     step_s = sample_s / SUBSTEPS
     stiffness = limits.natural_frequency**2
     damping = 2.0 * limits.damping * limits.natural_frequency
-    exponential = linalg.expm(np.array([[0.0, 1.0], [-stiffness, -damping]]) * step_s)
+    exponential = scipy.linalg.expm(np.array([[0.0, 1.0], [-stiffness, -damping]]) * step_s)
     (f11, f12), (f21, f22) = exponential.tolist()
     return LimitedActuator(
         stiffness=stiffness,
@@ -309,7 +309,7 @@ def discretise_between_nodes(
     block = np.zeros((n + 2 * m, n + 2 * m))
     block[:n, :n], block[:n, n : n + m] = A * h, B * h
     block[n : n + m, n + m :] = np.eye(m)
-    exponential = linalg.expm(block)
+    exponential = scipy.linalg.expm(block)
     F, whole, ramp = exponential[:n, :n], exponential[:n, n : n + m], exponential[:n, n + m :]
     weights = np.zeros((SUBSTEPS + 1, n, m))
     power = np.eye(n)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cache, lru_cache
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy import fft
-from scipy.special import bernoulli, factorial
 
 from flexsid.errors import BadInput
 
@@ -131,10 +130,10 @@ def _series() -> Float[np.ndarray, "n_terms n_end"]:
     """Coefficients of the weights' power series in -j theta."""
     order = np.arange(_DEGREE + 1 + _TERMS)
     # Zeta of 0, -1, -2 ..., with the sample at n = 0 counted in the first.
-    zeta = -bernoulli(order.size)[1:] / (order + 1.0)
+    zeta = -scipy.special.bernoulli(order.size)[1:] / (order + 1.0)
     moments = np.array([-zeta[k : k + _TERMS] for k in range(_DEGREE + 1)])
     places = np.vander(np.arange(_DEGREE + 1.0), increasing=True).T
-    return np.linalg.solve(places, moments).T / factorial(np.arange(_TERMS))[:, None]
+    return np.linalg.solve(places, moments).T / scipy.special.factorial(np.arange(_TERMS))[:, None]
 
 
 # --- Finite Fourier transform of sampled channels at arbitrary frequencies ------------------------
@@ -200,7 +199,7 @@ def finite_fourier_transform(
     grid = _grid_of(omega, samples.shape[0], rate_hz)
     if grid is not None:
         length, bins = grid
-        transform = fft.rfft(samples, n=length, axis=0)[bins] / rate_hz
+        transform = scipy.fft.rfft(samples, n=length, axis=0)[bins] / rate_hz
     elif _is_dense(omega):
         transform = _by_chirp(samples, rate_hz, omega)
     else:
@@ -333,13 +332,13 @@ def _by_chirp(
     step = (omega[-1] - omega[0]) / (m - 1) / rate_hz
     place = np.arange(max(n, m))
     chirp = np.exp(-0.5j * step * place**2)
-    length = fft.next_fast_len(n + m - 1)
+    length = scipy.fft.next_fast_len(n + m - 1)
     kernel = np.zeros(length, dtype=complex)
     kernel[:m] = chirp[:m].conj()
     kernel[length - n + 1 :] = chirp[1:n][::-1].conj()
     start = chirp[:n] * np.exp(-1j * omega[0] / rate_hz * place[:n])
-    spread = fft.fft(samples * start[:, None], length, axis=0)
-    joined = fft.ifft(spread * fft.fft(kernel)[:, None], axis=0)[:m]
+    spread = scipy.fft.fft(samples * start[:, None], length, axis=0)
+    joined = scipy.fft.ifft(spread * scipy.fft.fft(kernel)[:, None], axis=0)[:m]
     return joined * chirp[:m, None] / rate_hz
 
 

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Bool, Complex, Float
-from scipy import fft, special
-from scipy.interpolate import make_interp_spline
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse, interpolate
@@ -115,7 +114,9 @@ def _build_interpolation(
 ) -> list[np.ndarray]:
     """Matrices (n_target, n_own) that interpolate to each set of target frequencies."""
     degree = 3 if omega.size > 3 else 1
-    matrix = make_interp_spline(omega, np.eye(omega.size), k=degree)(np.concatenate(targets))
+    matrix = scipy.interpolate.make_interp_spline(omega, np.eye(omega.size), k=degree)(
+        np.concatenate(targets)
+    )
     return np.split(matrix, np.cumsum([target.size for target in targets])[:-1])
 
 
@@ -225,7 +226,7 @@ def compute_windowed_responses(
     gamma = np.clip(share, 0.0, 1.0)
     rest = S_zz * (1.0 - gamma) / freedom
     variance = rest[:, :, None] * np.einsum("fii->fi", inverse).real[:, None, :]
-    omega = 2.0 * np.pi * fft.rfftfreq(length, 1.0 / rate_hz)
+    omega = 2.0 * np.pi * scipy.fft.rfftfreq(length, 1.0 / rate_hz)
     response = FrequencyResponse(
         omega[1:],
         H.transpose(0, 2, 1)[1:],
@@ -321,9 +322,9 @@ def combine_responses(responses: Sequence[FrequencyResponse]) -> RepeatedRespons
     # |error|^2 / variance of a circular variable is chi-square of 2 degrees, halved
     probability = 1.0
     if freedom:
-        total = 2.0 * float(np.median(distance)) / special.chdtri(2 * freedom, 0.5)
+        total = 2.0 * float(np.median(distance)) / scipy.special.chdtri(2 * freedom, 0.5)
         effective = 2 * freedom * omega.size
-        probability = float(special.chdtrc(effective, total * effective))
+        probability = float(scipy.special.chdtrc(effective, total * effective))
     combined = 1.0 / np.sqrt(np.sum(weight, axis=0))
     return RepeatedResponse(
         FrequencyResponse(omega, mean, first.outputs, first.inputs, combined), probability

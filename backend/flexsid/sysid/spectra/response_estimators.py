@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy import fft
 
 from flexsid.errors import BadInput
 
@@ -137,9 +137,9 @@ def average_spectra(
             power += np.abs(x) ** 2
         n_blocks += len(starts)
         n_independent += _count_independent(len(starts), weights, step)
-    squared = np.abs(fft.fft(weights**2)) ** 2
+    squared = np.abs(scipy.fft.fft(weights**2)) ** 2
     return AveragedSpectra(
-        omega=2.0 * np.pi * fft.rfftfreq(length, 1.0 / rate_hz)[bins],
+        omega=2.0 * np.pi * scipy.fft.rfftfreq(length, 1.0 / rate_hz)[bins],
         forces=forces / n_blocks,
         cross=cross / n_blocks,
         responses=power / n_blocks,
@@ -153,7 +153,7 @@ def transform_block(
     samples: Float[np.ndarray, "n_samples n"], weights: Float[np.ndarray, " n_samples"]
 ) -> Complex[np.ndarray, "n_omega n"]:
     """Fourier transform of a windowed block without its mean, by channel."""
-    return fft.rfft((samples - samples.mean(axis=0)) * weights[:, None], axis=0)
+    return scipy.fft.rfft((samples - samples.mean(axis=0)) * weights[:, None], axis=0)
 
 
 def _compute_step(length: int, overlap: float) -> int:

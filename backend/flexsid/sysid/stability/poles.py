@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load at first use: records need names only
 from jaxtyping import Complex, Float
-from scipy.optimize import linear_sum_assignment
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.experiment import Parameters
@@ -210,7 +210,7 @@ def name_roots(
 ) -> tuple[str, ...]:
     """Name roots by their motion of largest participation, each motion taken once if possible."""
     leading = np.argmax(participation, axis=0)
-    motion, root = linear_sum_assignment(-participation)
+    motion, root = scipy.optimize.linear_sum_assignment(-participation)
     leading[root] = motion
     return tuple(motions[k] for k in leading)
 
