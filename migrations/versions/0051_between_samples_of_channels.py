@@ -12,6 +12,7 @@ branch_labels = None
 depends_on = None
 
 TABLES = ("channels", "flight_channels")
+_KEPT = {"sqlite_autoincrement": True}
 
 
 def upgrade() -> None:
@@ -21,4 +22,5 @@ def upgrade() -> None:
 
 def downgrade() -> None:
     for name in reversed(TABLES):
-        op.drop_column(name, "between_samples")
+        with op.batch_alter_table(name, table_kwargs=_KEPT) as batch:
+            batch.drop_column("between_samples")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -62,7 +63,8 @@ def test_a_late_surface_is_named_by_a_fit_that_does_not_converge(client: Client)
     run = estimate(client, import_changed(client, record_surface_early), "EE")
     assert run["fit"]["outcome"] == "iteration limit"
     assert run["adequacy"]["state"] == "not tested"
-    assert f"{late} acts about 9." in run["adequacy"]["reason"], run["adequacy"]["reason"]
+    reason = run["adequacy"]["reason"]
+    assert re.search(rf"{late} acts about (9\.\d|10) ms after", reason), reason
 
 
 @pytest.mark.long

@@ -328,6 +328,7 @@ def _add_aircraft(
             gauges=table.gauges,
             arrays={
                 "omega": save(table.omega),
+                "shape_std": save(np.zeros_like(table.omega)),  # those of the truth
                 "zeta": save(table.zeta),
                 "mass": save(table.mass),
                 "shape": save(table.shape),

@@ -26,7 +26,7 @@ from flexsid.sysid.estimation.estimate import (
     count_iterations,
     name_priors,
 )
-from flexsid.sysid.estimation.experiment import Experiment, Parameters
+from flexsid.sysid.estimation.experiment import SHAPE_ERRORS, Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import (
     FrequencyDomainModel,
     ModelResponse,
@@ -54,8 +54,9 @@ _DAMPING_AFTER_INITIAL_STEP = 1e-6  # after a Sanathanan-Koerner step: the optim
 _ALMOST_NONE = 1e-10  # damping against rounding alone
 _LARGEST_DAMPING = 1e9  # no step reduces the cost
 _CONVERGED_DAMPING = 1e-3  # above, small steps are due to damping and not convergence
-_LONG = 30  # iterations after which a fit need only be close: where products of parameters (of a
-# mode's motion and the errors of its shape) bend the cost, steps wander about the optimum
+_LONG = 30  # iterations after which a fit of mode shapes need only be close: products of
+# parameters (of a mode's motion and the errors of its shape) bend the cost, so that steps wander
+# about the optimum. Elsewhere small steps of a long fit are a slow way to it.
 _CLOSE = 0.1  # standard errors of any combination of parameters from the optimum, by the gradient
 _NEAR = 20  # standard errors: smaller steps count as near the optimum
 _ROUNDING = 1e-12  # relative increase of the cost that counts as rounding
@@ -189,6 +190,8 @@ class _Problem:
                 code="bad-start",
             )
         steps = [IterationStep(0, state.cost, np.inf)]
+        bent = any(extra.kind in SHAPE_ERRORS for extra in self.parameters.extras)
+        bent_after = _LONG if bent else self.settings.max_iterations
         damping = _DAMPING_AT_START
         pace: np.ndarray | None = None
         outcome = Outcome.ITERATION_LIMIT
@@ -208,7 +211,7 @@ class _Problem:
             trial, damping = found
             # Of a quadratic cost: its reduction is half the square of the distance.
             reduction = float(around.g @ (trial.theta - state.theta))
-            is_close = iteration > _LONG and 2.0 * reduction < _CLOSE**2
+            is_close = iteration > bent_after and 2.0 * reduction < _CLOSE**2
             trial, pace = self._extrapolate(state, trial, around.N, pace)
             size = compute_step_size(around.N, trial.theta - state.theta)
             state = trial
