@@ -165,16 +165,15 @@ class Workbench:
         return self.table("maneuvers", limit, **query)
 
     def samples(
-        self, maneuver_id: int, channels: Iterable[str] | None = None, **interval: float
+        self, maneuver_id: int, channels: Iterable[str], **interval: float
     ) -> pandas.DataFrame:
         """Return samples as runs use them: in SI units, with corrections, by time in s.
 
         ``start_s`` and ``stop_s`` select an interval. ``attrs["units"]`` has the units; channels
         with other times than the first have missing values between theirs.
         """
-        names = {} if channels is None else {"channels": list(channels)}
-        found = self.get(f"maneuvers/{maneuver_id}/samples", **names, **interval)
-        return join_samples(found)
+        address = f"maneuvers/{maneuver_id}/samples"
+        return join_samples(self.get(address, channels=list(channels), **interval))
 
     def runs(self, limit: int | None = None, **query: Any) -> pandas.DataFrame:
         """Return runs, newest first; filter by ``maneuver_id``, ``method`` or ``state``."""

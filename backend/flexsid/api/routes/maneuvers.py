@@ -128,9 +128,7 @@ def get_run_proposal(
 def get_samples(
     store: TheStore,
     maneuver_id: Identity,
-    channels: Annotated[
-        str | None, Query(description="Names of channels or combinations; all without.")
-    ] = None,
+    channels: Annotated[str, Query(description="Names of channels or combinations.")],
     start_s: Time = None,
     stop_s: Time = None,
     form: Annotated[
@@ -142,7 +140,7 @@ def get_samples(
     if (start_s is None) != (stop_s is None):
         raise BadInput("give both start_s and stop_s, or neither", code="bad-interval")
     interval = None if start_s is None or stop_s is None else (start_s, stop_s)
-    traces = read_samples(store, maneuver_id, split_names(channels), interval)
+    traces = read_samples(store, maneuver_id, split_names(channels) or (), interval)
     if form == "csv":
         return make_file_response(write_samples(traces).encode(), "text/csv; charset=utf-8")
     return Json(traces)

@@ -151,23 +151,19 @@ _MOST_SAMPLES = 5_000_000
 
 
 def read_samples(
-    store: Store,
-    maneuver_id: int,
-    names: Sequence[str] | None = None,
-    interval_s: Interval | None = None,
+    store: Store, maneuver_id: int, names: Sequence[str], interval_s: Interval | None = None
 ) -> tuple[ChannelTrace, ...]:
     """Read samples of channels as they are estimated with: in SI units, with corrections.
-
-    Without names of all channels.
 
     Raises
     ------
     BadInput
-        As ``read_traces``, or if more than five million samples were requested.
+        As ``read_traces``, or if no channel or more than five million samples were requested.
     """
+    if not names:
+        raise BadInput("name the channels whose samples are requested", code="no-channel")
     maneuver = store.maneuvers.get(maneuver_id)
-    recorded = store.channels.find(maneuver_id=maneuver_id)
-    parts = _find(store, maneuver, names or [channel.name for channel in recorded])
+    parts = _find(store, maneuver, names)
     count = 0
     for (channel, _), *_ in parts.values():
         window = channel.slice_samples(interval_s or (channel.start_s, channel.stop_s))
