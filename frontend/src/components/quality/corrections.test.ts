@@ -35,7 +35,7 @@ test("skews, calibration and spikes become corrections with their basis", () => 
   expect(delay).toMatchObject({ channel: "q", kind: "delay", delay_s: -0.008 });
   expect(delay?.basis).toContain("13.75 Hz");
   expect(calibrationsOf([{ ...sound, scale: 1.05 }])[0]).toMatchObject({ scale: 1.05, bias: 0 });
-  const spike = { kind: "spike", first: 10, stop: 11, start_s: 0.05 };
-  const held = { kind: "dropout", first: 50, stop: 90, start_s: 0.25 };
+  const spike = { kind: "spike" as const, first: 10, stop: 11, start_s: 0.05 };
+  const held = { kind: "dropout" as const, first: 50, stop: 90, start_s: 0.25 };
   expect(repairsOf([{ ...sound, stretches: [spike, held] }])[0]?.stretches).toEqual([[10, 11]]);
 });
