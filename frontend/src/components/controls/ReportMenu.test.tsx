@@ -26,7 +26,7 @@ it("prints a PDF by a job, which can be cancelled, and links to the file", async
     if (request.url.endsWith("/retry")) state = "succeeded";
     const finished_at = state === "running" ? null : `2026-11-24T00:00:0${posted.length}Z`;
     return Promise.resolve(
-      new Response(JSON.stringify({ ...JOB, state, finished_at }), {
+      new Response(JSON.stringify({ ...JOB, state, finished_at, typical_s: { report: 6.4 } }), {
         headers: { "Content-Type": "application/json" },
       }),
     );
@@ -37,6 +37,7 @@ it("prints a PDF by a job, which can be cancelled, and links to the file", async
   const page = await screen.findByTestId("report-html");
   expect(page).toHaveAttribute("href", "/api/v1/reports/run/3?units=us");
   await userEvent.click(screen.getByTestId("report-pdf"));
+  expect(await screen.findByText(/Printing, usually 6 s/)).toBeInTheDocument();
   await userEvent.click(await screen.findByRole("button", { name: "Cancel" }));
   expect(await screen.findByText("Cancelled; nothing was stored.")).toBeInTheDocument();
   expect(screen.queryByTestId("open-report")).not.toBeInTheDocument();
