@@ -287,8 +287,8 @@ def _test_against_efficient(
     Without noise in its regressors equation error is consistent, and its difference from the
     efficient estimate has the difference of the variances: Hausman (1978), Specification tests in
     econometrics, Econometrica 46. It is a test of the method, not of the model, by itself. Errors
-    of both are known to a tenth and not always nested, where their difference says nothing: the
-    larger variance, of which the difference is a part, makes the test rarer and never false.
+    of both are known to a tenth and not always nested, where their difference says nothing: with
+    the larger variance, of which the difference is a part, it rejects less often than stated.
     """
     z = step / np.maximum(std_errors, efficient_std)
     k = int(np.argmax(np.abs(z)))

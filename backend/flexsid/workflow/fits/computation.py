@@ -205,14 +205,14 @@ def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFi
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
     estimate = apply_priors(estimate, task.priors)
-    task, parameters, estimate = _include_shape_errors(task, parameters, estimate)
+    task, parameters, estimate = _include_shape_errors(task, parameters, estimate, report)
     first = replace(parameters, start=estimate.values)
     adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, first)
     return EstimatorFit(task, parameters, estimate, start, fit.warnings, adequacy, symmetry)
 
 
 def _include_shape_errors(
-    task: EstimationTask, parameters: Parameters, estimate: Estimate
+    task: EstimationTask, parameters: Parameters, estimate: Estimate, report: ReportProgress
 ) -> tuple[EstimationTask, Parameters, Estimate]:
     """Include the errors of mode shapes, which equation error holds at zero, in its estimate.
 
@@ -227,9 +227,8 @@ def _include_shape_errors(
     names = tuple(task.shape_errors)
     free = select_free_parameters(task, parameters.table(estimate.values), names)
     experiments = build_record_experiments(task, parameters, estimate)
-    settings = build_fit_settings(task)
-    held = maximize(experiments, free, replace(settings, max_iterations=0)).covariance
-    found = maximize(experiments, free, settings)
+    begun = maximize(experiments, free, replace(build_fit_settings(task), max_iterations=0))
+    held, found = begun.covariance, refit(task, experiments, free, begun, report)
     if not found.outcome.is_optimum:
         return without, parameters, estimate
     spread = task.estimate_spreads(found, task.shape_spread).shape_spread
