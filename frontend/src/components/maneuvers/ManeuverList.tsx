@@ -7,9 +7,8 @@ import { Quantity, UnitName } from "../display/Quantity";
 import { RunBadge } from "../runs/RunBadge";
 import { selectColumn } from "../controls/selectColumn";
 import { Tags } from "../controls/Tags";
-import { VerdictBadge } from "../display/VerdictBadge";
 import type { CampaignView } from "../../views";
-import { QUALITY_COLUMNS } from "../quality/QualityAssessment";
+import { QUALITY_COLUMNS, VERDICT_COLUMN } from "../quality/QualityAssessment";
 
 interface Props {
   /** Columns beside maneuver and flight; condition and runs by default. */
@@ -56,22 +55,7 @@ const RUN_COLUMNS: Column<ManeuverItem>[] = [
     numeric: true,
     render: (one) => fixed(one.max_input_correlation, 2),
   },
-  {
-    key: "quality",
-    header: "Quality",
-    sort: "verdict",
-    render: (one) => (
-      <Link
-        to="/maneuvers/$id"
-        params={{ id: one.id }}
-        search={{ tab: "quality" }}
-        className="link"
-        title={one.summary ?? undefined}
-      >
-        <VerdictBadge verdict={one.verdict} />
-      </Link>
-    ),
-  },
+  { ...VERDICT_COLUMN, key: "quality", header: "Quality" },
   {
     key: "runs",
     header: "Runs",

@@ -10,23 +10,27 @@ import type { Column } from "../controls/DataTable";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { VerdictBadge } from "../display/VerdictBadge";
 
+/** Verdict on the data of a maneuver, with the way to its reasons. */
+export const VERDICT_COLUMN: Column<ManeuverItem> = {
+  key: "verdict",
+  header: "Verdict",
+  sort: "verdict",
+  render: (one) => (
+    <Link
+      to="/maneuvers/$id"
+      params={{ id: one.id }}
+      search={{ tab: "quality" }}
+      className="link"
+      title={one.summary ?? undefined}
+    >
+      <VerdictBadge verdict={one.verdict} />
+    </Link>
+  ),
+};
+
 /** Quality of the data of a maneuver. */
 export const QUALITY_COLUMNS: Column<ManeuverItem>[] = [
-  {
-    key: "verdict",
-    header: "Verdict",
-    sort: "verdict",
-    render: (one) => (
-      <Link
-        to="/maneuvers/$id"
-        params={{ id: one.id }}
-        search={{ tab: "quality" }}
-        className="link"
-      >
-        <VerdictBadge verdict={one.verdict} />
-      </Link>
-    ),
-  },
+  VERDICT_COLUMN,
   {
     key: "signal",
     onlyIf: (one) => one.figures?.signal_to_noise_db != null,
