@@ -18,6 +18,9 @@ HEAVY = {"fastapi", "sqlalchemy", "plotly", "pydantic", "pandas", "alembic", "uv
 SLOW = {"scipy.stats", "scipy.signal"}
 """A second each, of the start of a server."""
 
+COMPUTING = {"scipy.linalg", "scipy.interpolate", "scipy.optimize", "scipy.fft"}
+"""Parts of scipy that load at first use: a third of the start of a command that reads records."""
+
 
 @pytest.mark.parametrize(
     ("layer", "excluded"),
@@ -25,7 +28,8 @@ SLOW = {"scipy.stats", "scipy.signal"}
         ("sysid", HEAVY | SLOW),
         ("nomenclature", HEAVY | {"numpy", "scipy"}),
         ("units", HEAVY | {"scipy"}),
-        ("records", HEAVY),
+        ("records", HEAVY | COMPUTING),
+        ("storage", {"alembic"} | COMPUTING),
         ("figures", HEAVY | {"control"}),
         ("workflow", {"fastapi", "plotly", "pandas", "uvicorn"} | SLOW),
         ("demo", SLOW),

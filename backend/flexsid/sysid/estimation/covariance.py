@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation import noise

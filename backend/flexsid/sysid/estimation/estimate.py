@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Bool, Complex, Float
 
 # --- Error components: errors of an estimate by their causes, which other estimates share ---------

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Complex, Float
 
 # --- Inverses of one small matrix per frequency, by elimination at all frequencies at once --------

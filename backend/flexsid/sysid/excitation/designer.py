@@ -15,7 +15,7 @@ from typing import Annotated
 
 import numpy as np
 import orjson
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Float, Int
 
 from flexsid.allowed import Allowed, Name, Number, Positive

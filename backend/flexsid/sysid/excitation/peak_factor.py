@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Float, Int
 
 # --- Minimise the L_p norms of many multisines at once, by Gauss-Newton in their phases -----------

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Bool, Float, Int, Num
 
 from flexsid.sysid.modes.assurance import compute_mac

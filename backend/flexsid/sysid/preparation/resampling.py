@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Literal
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import BadInput

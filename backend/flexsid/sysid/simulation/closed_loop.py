@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import copysign, inf
 
 import numpy as np
-import scipy  # its parts load at first use: records need names only
+import scipy
 from jaxtyping import Float
 
 from flexsid.sysid.excitation.checks import ActuatorLimits

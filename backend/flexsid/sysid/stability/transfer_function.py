@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Complex, Float
-from scipy import linalg, optimize
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.noise import smooth_density
@@ -241,7 +241,7 @@ def _find_mismatch(
     if excess(0.0) <= 0.0:
         return 0.0
     upper = float(np.sqrt(np.average(power / size**2, weights=shares) / free)) * 1.01
-    return float(optimize.brentq(excess, 0.0, upper, xtol=1e-14))
+    return float(scipy.optimize.brentq(excess, 0.0, upper, xtol=1e-14))
 
 
 class _ResponseProblem:
@@ -353,7 +353,7 @@ class _ResponseProblem:
             N, g, size = self._build_normal(theta, weights)
             before = cost
             while damping < _LARGEST_DAMPING:
-                step = linalg.solve(N + damping * np.eye(len(N)), g, assume_a="pos") / size
+                step = scipy.linalg.solve(N + damping * np.eye(len(N)), g, assume_a="pos") / size
                 trial = theta + step
                 found = self._compute_cost(trial, weights)
                 if found < cost:
@@ -374,7 +374,7 @@ class _ResponseProblem:
                 "the transfer function is not identifiable from this response: a pole and a zero "
                 "cancel, or the band is too narrow; lower its orders"
             )
-        inverse = linalg.inv(N) / np.outer(size, size) / 2.0
+        inverse = scipy.linalg.inv(N) / np.outer(size, size) / 2.0
         J = self.compute_jacobian(theta) * weights[:, None]
         r = (self.compute_residuals(theta) * weights)[:, None]
         smooth = smooth_density(r, np.zeros(len(r), dtype=int), 1)
