@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexsid.records.job import Job
     from flexsid.storage.store import Store
 
-# Without an import of the kinds, so that workers start quickly; compared with them by a test.
+# Those that tests queue, without an import of the kinds, so that workers start quickly.
 NAMES = (
     *("estimation", "structure-search", "excitation-design", "preflight-simulation"),
     *("flutter-prediction", "closed-loop", "cross-prediction", "cross-validation"),

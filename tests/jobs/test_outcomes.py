@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import pickle
+import re
 from collections.abc import Callable, Iterator
-from dataclasses import make_dataclass, replace
+from dataclasses import fields, make_dataclass, replace
 from pathlib import Path
+from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ from flexsid.errors import Conflict
 from flexsid.importers.responses import AveragingOptions, ResponseOptions
 from flexsid.jobs import kinds
 from flexsid.jobs.dispatcher import execute_run
-from flexsid.jobs.kind import build_job, submit
+from flexsid.jobs.kind import Kind, build_job, submit
 from flexsid.records.decision import Structure
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
@@ -284,6 +286,16 @@ def test_every_kind_has_a_request() -> None:
     # aircraft without modal table; they save as the others.
     others = {kinds.AERODYNAMICS.name, kinds.COMPATIBILITY.name}
     assert {*_REQUESTS, *others} == set(kinds.KINDS)
+
+
+@pytest.mark.parametrize("kind", kinds.KINDS.values(), ids=lambda one: one.name)
+def test_a_page_has_only_values_of_request_and_result(kind: Kind[Any, Any]) -> None:
+    for name in re.findall(r"{([^}:]*)", kind.page):
+        owner, _, rest = name.rpartition(".")
+        if name == "id" or owner == "result":
+            continue  # of results, ids of stored records
+        within = get_type_hints(kind.request)[owner] if owner else kind.request
+        assert rest in {one.name for one in fields(within)}, name
 
 
 @pytest.mark.parametrize(

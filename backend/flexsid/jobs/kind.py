@@ -80,6 +80,10 @@ class Kind(Generic[Request, Result]):
         Jobs of higher priority start first.
     usual_s
         Time to expect until one has ended: that of the demonstration. None where it is short. [s]
+    page
+        Address of what a job works on, or of its result. ``{field}`` is a value of the request,
+        ``{result.field}`` of the result, ``{id}`` the job; ``{fuel:percent}`` is 100 times a
+        fraction, ``{delay:not}`` the contrary. A search parameter without value is left out.
     """
 
     name: str
@@ -92,6 +96,7 @@ class Kind(Generic[Request, Result]):
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
     priority: int = 0
     usual_s: float | None = None
+    page: str = ""
 
     def read_request(self, job: Job) -> Request:
         """Return the request of a job."""
@@ -130,6 +135,37 @@ def fail_job(store: Store, job: Job, failure: FailedMessage) -> None:
     if failure.trace:
         _log.error("job %d, attempt %d:\n%s", job.id, job.attempt, failure.trace)
     queue.fail(store, job.id, job.attempt, failure.code, failure.message, failure.worker or None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Analysis(Kind[Request, Result]):
+    """A kind of job whose result is stored, with its routes: all doors read it.
+
+    Requesting it needs the permission of an analyst, reading it that of a viewer.
+
+    Parameters
+    ----------
+    path
+        Address of the result below that of the interface; ids of the request are in braces, and
+        all other fields in the query.
+    noun
+        The routes are ``request_{noun}``, ``get_{noun}_job`` and ``get_{noun}``.
+    describe
+        Returns the title of the job of a request.
+    response
+        Type that ``GET`` of the address returns; None where a route of its own does.
+    show
+        Returns that from the result in the table.
+    about
+        Description of ``GET``.
+    """
+
+    path: str
+    noun: str
+    describe: Callable[[Store, Request], str]
+    response: type | None = None
+    show: Callable[[Result], object] = lambda result: result
+    about: str = ""
 
 
 Kinds = Mapping[str, Kind[Any, Any]]

@@ -5,13 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.kind import Kind, Kinds, get_result, save_records
+from flexsid.jobs.kind import Analysis, Kind, Kinds, get_result, save_records
 from flexsid.records.condition_sheet import ConditionSheet
-from flexsid.records.flutter import ClosedLoop, Flutter, FlutterResult, PredictedFlutterResult
-from flexsid.records.global_model import GlobalModelResult
+from flexsid.records.flutter import (
+    ClosedLoop,
+    Flutter,
+    FlutterResult,
+    PredictedFlutter,
+    PredictedFlutterResult,
+)
+from flexsid.records.global_model import GlobalModelResult, GlobalModelSummary
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.quality import CompatibilityReport
@@ -20,15 +27,22 @@ from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
     CrossValidation,
+    CrossValidationSummary,
     PosteriorCheck,
 )
-from flexsid.records.views import OutputOnlyResult, Reconstruction, TransferFunctionResult
+from flexsid.records.views import (
+    OutputOnlyResult,
+    Reconstruction,
+    TransferFunction,
+    TransferFunctionResult,
+)
 from flexsid.storage.copies import backup
 from flexsid.storage.copies.snapshot import open_snapshot, take_snapshot
 from flexsid.storage.jobs import queue
 from flexsid.storage.jobs.batches import find_derived_runs
 from flexsid.storage.lists.run_list import ESTIMATION
 from flexsid.storage.store import Store
+from flexsid.text import count_noun
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
     classic_inputs,
@@ -146,6 +160,28 @@ def _identify_output_only(
     return list_run_contents(store, (), (query.maneuver_id,))
 
 
+def _count_runs(store: Store, query: Any) -> str:
+    return count_noun(len(query.run_ids), "run")
+
+
+def _name_run(store: Store, query: Any) -> str:
+    return f"run {query.run_id}"
+
+
+def _name_design(store: Store, query: Any) -> str:
+    return store.designs.get(query.design_id).name
+
+
+def _name_maneuver(store: Store, query: Any) -> str:
+    return store.maneuvers.get(query.maneuver_id).label
+
+
+def _name_maneuvers(store: Store, query: compatibility.CompatibilityQuery) -> str:
+    if len(query.maneuver_ids) == 1:
+        return store.maneuvers.get(query.maneuver_ids[0]).label
+    return count_noun(len(query.maneuver_ids), "maneuver")
+
+
 RUN = Kind(
     name=ESTIMATION,
     label="Estimation",
@@ -165,6 +201,7 @@ SEARCH = Kind(
     ),
     compute=searches.compute_search,
     save=save_records(searches.store_search_result),
+    page="/model-structures?id={search_id}#search",
 )
 DESIGN = Kind(
     name="excitation-design",
@@ -175,6 +212,7 @@ DESIGN = Kind(
     save=save_records(
         lambda store, job, order, outcome: {"design_id": store.designs.add(outcome).id}
     ),
+    page="/excitation/{result.design_id}",
 )
 SIMULATION = Kind(
     name="preflight-simulation",
@@ -183,8 +221,9 @@ SIMULATION = Kind(
     prepare=_send_design,
     compute=_in_snapshot(preflight_simulation.simulate_design),
     save=save_records(preflight_simulation.store_simulation),
+    page="/excitation/{design_id}",
 )
-FLUTTER = Kind(
+FLUTTER = Analysis(
     name="flutter-prediction",
     label="Flutter prediction",
     usual_s=22.0,
@@ -194,8 +233,18 @@ FLUTTER = Kind(
     save=save_records(flutter_analysis.store_flutter),
     result=FlutterResult,
     identify=flutter_models.identify_query,
+    path="/flutter",
+    noun="flutter",
+    describe=_count_runs,
+    response=Flutter,
+    show=attrgetter("flutter"),
+    about="Return the stored flutter speed of these runs, with its confidence interval.",
+    page=(
+        "/flutter?runs={run_ids}&fuel={fuel:percent}&altitude={altitude_m}"
+        "&unmodelled_modes={unmodelled_modes}&variation={variation}&next={next_m_s}"
+    ),
 )
-PREDICTED_FLUTTER = Kind(
+PREDICTED_FLUTTER = Analysis(
     name="predicted-flutter",
     label="Flutter of a prediction",
     request=of_prediction.PredictedFlutterQuery,
@@ -203,8 +252,17 @@ PREDICTED_FLUTTER = Kind(
     compute=of_prediction.compute_predicted_flutter,
     result=PredictedFlutterResult,
     identify=of_prediction.identify_predicted_flutter,
+    path="/flutter/predicted",
+    noun="predicted_flutter",
+    describe=lambda store, query: store.predictions.get(query.prediction_id).source,
+    response=PredictedFlutter,
+    show=attrgetter("flutter"),
+    about="""
+    Return the stored flutter speed of a prediction alone, by p-k and by rational functions.
+    """,
+    page="/flutter?prediction={prediction_id}",
 )
-CLOSED_LOOP = Kind(
+CLOSED_LOOP = Analysis(
     name="closed-loop",
     label="Closed-loop stability",
     request=closed_loop.ClosedLoopQuery,
@@ -213,8 +271,16 @@ CLOSED_LOOP = Kind(
     save=save_records(closed_loop.store_closed_loop),
     result=ClosedLoop,
     identify=closed_loop.identify_closed_loop,
+    path="/closed-loop",
+    noun="closed_loop",
+    describe=lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
+    page=(
+        "/flutter?tab=closed-loop&runs={flutter.run_ids}&fuel={flutter.fuel:percent}"
+        "&altitude={flutter.altitude_m}&unmodelled_modes={flutter.unmodelled_modes}"
+        "&variation={flutter.variation}&controller={controller_id}"
+    ),
 )
-GLOBAL_MODEL = Kind(
+GLOBAL_MODEL = Analysis(
     name="global-model",
     label="Global model",
     request=estimates.GlobalModelQuery,
@@ -222,8 +288,19 @@ GLOBAL_MODEL = Kind(
     compute=computation.compute_global_model,
     result=GlobalModelResult,
     identify=estimates.identify_global_model,
+    path="/global-models",
+    noun="global_model",
+    describe=_count_runs,
+    response=GlobalModelSummary,
+    show=attrgetter("summary"),
+    about="""
+    Return the stored global model of these runs: derivatives, scores and outlying runs.
+
+    The figures ``global-slice`` and ``global-coverage`` have its values over the envelope.
+    """,
+    page="/global-model?runs={run_ids}&variables={variables}&prediction={prediction_id}",
 )
-CROSS_PREDICTION = Kind(
+CROSS_PREDICTION = Analysis(
     name="cross-prediction",
     label="Cross-prediction",
     request=cross_prediction.CrossPredictionQuery,
@@ -231,8 +308,14 @@ CROSS_PREDICTION = Kind(
     compute=_in_snapshot(cross_prediction.compute_cross_predictions),
     result=CrossPredictionMatrix,
     identify=cross_prediction.identify_cross_prediction,
+    path="/cross-predictions",
+    noun="cross_predictions",
+    describe=_count_runs,
+    response=CrossPredictionMatrix,
+    about=("Return the stored fit of the outputs of maneuvers, predicted by the models of runs."),
+    page="/compare?tab=validation&runs={run_ids}&maneuvers={maneuver_ids}",
 )
-CROSS_VALIDATION = Kind(
+CROSS_VALIDATION = Analysis(
     name="cross-validation",
     label="Cross-validation",
     usual_s=21.0,
@@ -241,8 +324,19 @@ CROSS_VALIDATION = Kind(
     compute=_in_snapshot(cross_validation.cross_validate),
     result=CrossValidation,
     identify=cross_validation.identify_cross_validation,
+    path="/cross-validations",
+    noun="cross_validation",
+    describe=_name_run,
+    response=CrossValidationSummary,
+    show=attrgetter("summary"),
+    about="""
+    Return the stored fit of held-out data of a run, predicted by refits to the others.
+
+    The figures ``held-out`` and ``held-out-residual`` have the spectra.
+    """,
+    page="/compare?tab=validation&runs={run_id}&partition={partition}&folds={folds}",
 )
-AERODYNAMICS = Kind(
+AERODYNAMICS = Analysis(
     name="aerodynamics-comparison",
     label="Comparison of aerodynamics",
     request=aerodynamics_comparison.AerodynamicsQuery,
@@ -250,8 +344,14 @@ AERODYNAMICS = Kind(
     compute=_in_snapshot(aerodynamics_comparison.compare_aerodynamics),
     result=AerodynamicsComparison,
     identify=aerodynamics_comparison.identify_aerodynamics,
+    path="/aerodynamics-comparisons",
+    noun="aerodynamics_comparison",
+    describe=_name_run,
+    response=AerodynamicsComparison,
+    about=("Return the stored verdict between quasi-steady and shaped derivatives for a run."),
+    page="/runs/{run_id}?tab=checks#aerodynamics",
 )
-POSTERIOR = Kind(
+POSTERIOR = Analysis(
     name="posterior-check",
     label="Posterior check",
     request=posterior_check.PosteriorQuery,
@@ -259,8 +359,14 @@ POSTERIOR = Kind(
     compute=_in_snapshot(posterior_check.check_posterior),
     result=PosteriorCheck,
     identify=posterior_check.identify_posterior,
+    path="/posterior-checks",
+    noun="posterior_check",
+    describe=_name_run,
+    response=PosteriorCheck,
+    about="Return the stored posterior of an output-error run, against its standard errors.",
+    page="/runs/{run_id}?tab=checks#posterior",
 )
-PREDICTED_ACCURACY = Kind(
+PREDICTED_ACCURACY = Analysis(
     name="predicted-accuracy",
     label="Predicted accuracy",
     request=predicted_accuracy.DesignQuery,
@@ -268,8 +374,12 @@ PREDICTED_ACCURACY = Kind(
     compute=_in_snapshot(predicted_accuracy.predict_accuracy),
     result=predicted_accuracy.PredictedAccuracy,
     identify=predicted_accuracy.identify_design_query,
+    path="/designs/{design_id}/predicted-accuracy",
+    noun="predicted_accuracy",
+    describe=_name_design,
+    page="/excitation/{design_id}",
 )
-INPUT_COMPARISON = Kind(
+INPUT_COMPARISON = Analysis(
     name="input-comparison",
     label="Comparison with classic inputs",
     request=predicted_accuracy.DesignQuery,
@@ -277,8 +387,14 @@ INPUT_COMPARISON = Kind(
     compute=_in_snapshot(classic_inputs.compare_inputs),
     result=classic_inputs.InputComparison,
     identify=predicted_accuracy.identify_design_query,
+    path="/designs/{design_id}/classic-inputs",
+    noun="input_comparison",
+    describe=_name_design,
+    response=classic_inputs.InputComparison,
+    about=("Return the stored comparison with doublets, 3-2-1-1s and sweeps of equal limits."),
+    page="/excitation/{design_id}",
 )
-AMPLITUDES = Kind(
+AMPLITUDES = Analysis(
     name="amplitude-optimisation",
     label="Amplitude optimisation",
     usual_s=27.0,
@@ -287,8 +403,20 @@ AMPLITUDES = Kind(
     compute=_in_snapshot(amplitude_optimisation.optimise_amplitudes),
     result=amplitude_optimisation.OptimisedAmplitudes,
     identify=predicted_accuracy.identify_design_query,
+    path="/designs/{design_id}/amplitudes",
+    noun="amplitudes",
+    describe=_name_design,
+    response=amplitude_optimisation.OptimisedAmplitudes,
+    about="""
+    Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
+
+    Limits: largest deflection of any surface [rad], its rate [rad/s] and load factor [g],
+    feedback included; if omitted, those of the design. ``levels`` are amplitudes by airspeed
+    within them.
+    """,
+    page="/excitation/{design_id}",
 )
-OPTIMAL_DESIGN = Kind(
+OPTIMAL_DESIGN = Analysis(
     name="optimal-design",
     label="Optimal design",
     request=optimal_designs.OptimalDesignQuery,
@@ -297,8 +425,21 @@ OPTIMAL_DESIGN = Kind(
     save=save_records(optimal_designs.store_optimal_design),
     result=optimal_designs.OptimalDesign,
     identify=optimal_designs.identify_optimal_design,
+    path="/designs/{design_id}/optimal-design",
+    noun="optimal_design",
+    describe=_name_design,
+    response=optimal_designs.OptimalDesign,
+    about="""
+    Return the stored gain of the design that is optimal for an objective within limits.
+
+    Objectives: ``flutter`` speed, ``derivatives`` by name, ``damping`` of a mode, and
+    ``structures``, the distance of the run's model structure from the smaller one of another
+    run. Limits: deflection [rad], rate [rad/s] and load factor [g]; if omitted, those of the
+    design.
+    """,
+    page="/excitation/{design_id}",
 )
-RECONSTRUCTION = Kind(
+RECONSTRUCTION = Analysis(
     name="motion-reconstruction",
     label="Motion reconstruction",
     request=reconstruction.ReconstructionQuery,
@@ -306,8 +447,12 @@ RECONSTRUCTION = Kind(
     compute=_in_snapshot(reconstruction.reconstruct),
     result=Reconstruction,
     identify=_identify_reconstruction,
+    path="/maneuvers/{maneuver_id}/reconstruction",
+    noun="reconstruction",
+    describe=_name_maneuver,
+    page="/maneuvers/{maneuver_id}?tab=reconstruction&modes={modes}",
 )
-TRANSFER_FUNCTION = Kind(
+TRANSFER_FUNCTION = Analysis(
     name="transfer-function",
     label="Transfer function",
     request=transfer_functions.TransferFunctionQuery,
@@ -317,8 +462,26 @@ TRANSFER_FUNCTION = Kind(
     ),
     result=TransferFunctionResult,
     identify=_identify_transfer_function,
+    path="/transfer-functions",
+    noun="transfer_function",
+    describe=lambda store, query: (
+        f"{query.output} over {query.input}, {store.maneuvers.get(query.maneuver_id).label}"
+    ),
+    response=TransferFunction,
+    show=attrgetter("function"),
+    about="""
+    Return the stored transfer function of an output over an input, with standard errors.
+
+    By default the orders are those usual for the output: a short period for pitch rate and
+    pitch angle, a roll mode for roll rate and bank angle.
+    """,
+    page=(
+        "/maneuvers/{maneuver_id}?tab=bode&from_input={input}&to_output={output}&zeros={zeros}"
+        "&poles={poles}&integrators={integrators}&no_delay={delay:not}&low={low_hz}"
+        "&high={high_hz}#transfer-function"
+    ),
 )
-OUTPUT_ONLY_MODES = Kind(
+OUTPUT_ONLY_MODES = Analysis(
     name="output-only-modes",
     label="Output-only modes",
     request=output_only_modes.OutputOnlyQuery,
@@ -328,6 +491,15 @@ OUTPUT_ONLY_MODES = Kind(
     ),
     result=OutputOnlyResult,
     identify=_identify_output_only,
+    path="/output-only-modes",
+    noun="output_only_modes",
+    describe=_name_maneuver,
+    response=OutputOnlyResult,
+    about=("Return the stored modes of a record from its outputs alone, with standard errors."),
+    page=(
+        "/maneuvers/{maneuver_id}?tab=bode&from={start_s}&to={stop_s}&low={low_hz}&high={high_hz}"
+        "#output-only"
+    ),
 )
 RESPONSES = Kind(
     name="response-estimation",
@@ -338,8 +510,9 @@ RESPONSES = Kind(
     ),
     compute=estimate_responses,
     save=save_records(store_estimated_responses),
+    page="/modal-data?tab=gvt&responses={result.responses_id}",
 )
-MODES = Kind(
+MODES = Analysis(
     name="mode-identification",
     label="Mode identification",
     usual_s=36.0,
@@ -348,6 +521,13 @@ MODES = Kind(
     compute=ground_vibration_test.find_modes,
     result=ModeIdentification,
     identify=ground_vibration_test.identify_mode_search,
+    path="/measured-responses/{responses_id}/modes",
+    noun="modes",
+    describe=lambda store, search: store.measured_responses.get(search.responses_id).name,
+    page=(
+        "/modal-data?tab=gvt&responses={responses_id}&from_hz={low_hz}&to_hz={high_hz}&order={order}"
+        "&poles={poles}"
+    ),
 )
 ORTHOGONALITY = Kind(
     name="orthogonality",
@@ -359,6 +539,7 @@ ORTHOGONALITY = Kind(
     compute=orthogonality.compute_orthogonality,
     result=Orthogonality,
     identify=lambda store, request: orthogonality.list_compared_tables(store, request.query),
+    page="/modal-data?tab=files&orthogonality={id}",
 )
 QUALITY = Kind(
     name="quality-assessment",
@@ -372,8 +553,9 @@ QUALITY = Kind(
         }
     ),
     priority=-1,  # analysts wait for the others
+    page="/maneuvers/{maneuver_id}?tab=quality",
 )
-COMPATIBILITY = Kind(
+COMPATIBILITY = Analysis(
     name="compatibility",
     label="Compatibility of sensors",
     request=compatibility.CompatibilityQuery,
@@ -381,6 +563,18 @@ COMPATIBILITY = Kind(
     compute=_in_snapshot(compatibility.compute_compatibility),
     result=CompatibilityReport,
     identify=compatibility.identify_compatibility,
+    path="/compatibility",
+    noun="compatibility",
+    describe=_name_maneuvers,
+    response=CompatibilityReport,
+    about="""
+    Return the stored comparison of the sensors of maneuvers by kinematics.
+
+    It needs the locations of the sensors, and neither aerodynamics nor a modal table. Each
+    fault has its correction, for ``/conditioning``, and the faults that the data do not
+    separate from it.
+    """,
+    page="/maneuvers/{maneuver_ids}?tab=quality#compatibility",
 )
 PREDICTION = Kind(
     name="derivative-prediction",
@@ -389,6 +583,7 @@ PREDICTION = Kind(
     prepare=lambda store, job, request: computed_predictions.prepare_prediction(store, request),
     compute=computed_predictions.compute_prediction,
     save=save_records(computed_predictions.store_computed_prediction),
+    page="/aircraft#predictions",
 )
 IMPORT = Kind(
     name=parsed_files.IMPORT_KIND,
@@ -397,6 +592,7 @@ IMPORT = Kind(
     prepare=lambda store, job, request: uploads.prepare_import(store, request),
     compute=uploads.compute_import,
     save=save_records(uploads.store_import),
+    page="/import?upload={upload_id}",
 )
 REPORT = Kind(
     name="report",
@@ -407,6 +603,7 @@ REPORT = Kind(
     save=save_records(printed_reports.store_printed_report),
     result=printed_reports.PrintedReport,
     identify=lambda store, request: (),  # the document is named by its content
+    page="/api/v1/reports/files/{id}",
 )
 BACKUP = Kind(
     name=backup.BACKUP,
@@ -415,10 +612,12 @@ BACKUP = Kind(
     prepare=database.prepare_backup,
     compute=database.compute_backup,
     result=database.BackupFile,
+    page="/api/v1/backups/{id}",
 )
 
 # All values above, so that a kind is added in one place.
 KINDS: Kinds = {one.name: one for one in tuple(globals().values()) if isinstance(one, Kind)}
+ANALYSES = tuple(one for one in KINDS.values() if isinstance(one, Analysis))
 
 
 def load_kinds() -> Kinds:

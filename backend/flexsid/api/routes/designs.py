@@ -20,7 +20,7 @@ from flexsid.api.models.design_requests import (
 from flexsid.api.models.requests import Title
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_job_routes, submit_job
+from flexsid.api.responses import add_analysis, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
 from flexsid.importers import sandbox
@@ -37,7 +37,6 @@ from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
 from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.jobs.job_list import JobItem
 from flexsid.storage.lists.list_query import Page
-from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.workflow.excitation import (
@@ -45,17 +44,11 @@ from flexsid.workflow.excitation import (
     excitation_designs,
     preflight_simulation,
 )
-from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
-from flexsid.workflow.excitation.classic_inputs import InputComparison
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
     recognise_inputs,
     redesign,
     save_designs,
-)
-from flexsid.workflow.excitation.optimal_designs import (
-    OptimalDesign,
-    OptimalDesignQuery,
 )
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, ExpectedErrors
 from flexsid.workflow.excitation.target_modes import (
@@ -307,23 +300,8 @@ class ExpectedSummary:
 
 
 TheDesignQuery = Annotated[DesignQuery, Depends(query_as(DesignQuery, "design_id"))]
-TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(query_as(AmplitudeQuery, "design_id"))]
-TheOptimalDesignQuery = Annotated[
-    OptimalDesignQuery, Depends(query_as(OptimalDesignQuery, "design_id"))
-]
-
-
-def _get_title(store: Store, query: DesignQuery) -> str:
-    return store.designs.get(query.design_id).name
-
-
-for _path, _kind, _name in (
-    ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy"),
-    ("/classic-inputs", INPUT_COMPARISON, "input_comparison"),
-    ("/amplitudes", AMPLITUDES, "amplitudes"),
-    ("/optimal-design", OPTIMAL_DESIGN, "optimal_design"),
-):
-    add_job_routes(design_predictions_router, _path, _kind, _name, _get_title, "design_id")
+for _analysis in (PREDICTED_ACCURACY, INPUT_COMPARISON, AMPLITUDES, OPTIMAL_DESIGN):
+    add_analysis(design_predictions_router, _analysis)
 
 
 @design_predictions_router.get("/expected-errors", response_model=ExpectedErrors)
@@ -344,30 +322,3 @@ def get_expected_response(store: TheStore, query: TheDesignQuery) -> Json:
             information={name: float(one.sum()) for name, one in found.information.items()},
         )
     )
-
-
-@design_predictions_router.get("/classic-inputs", response_model=InputComparison)
-def get_input_comparison(store: TheStore, query: TheDesignQuery) -> Json:
-    """Return the stored comparison with doublets, 3-2-1-1s and sweeps of equal limits."""
-    return Json(get_result(store, INPUT_COMPARISON, query))
-
-
-@design_predictions_router.get("/amplitudes", response_model=OptimisedAmplitudes)
-def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
-    """Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
-
-    Limits: largest deflection of any surface [rad], its rate [rad/s] and load factor [g], feedback
-    included; if omitted, those of the design. ``levels`` are amplitudes by airspeed within them.
-    """
-    return Json(get_result(store, AMPLITUDES, query))
-
-
-@design_predictions_router.get("/optimal-design", response_model=OptimalDesign)
-def get_optimal_design(store: TheStore, query: TheOptimalDesignQuery) -> Json:
-    """Return the stored gain of the design that is optimal for an objective within limits.
-
-    Objectives: ``flutter`` speed, ``derivatives`` by name, ``damping`` of a mode, and
-    ``structures``, the distance of the run's model structure from the smaller one of another run.
-    Limits: deflection [rad], rate [rad/s] and load factor [g]; if omitted, those of the design.
-    """
-    return Json(get_result(store, OPTIMAL_DESIGN, query))

@@ -14,7 +14,7 @@ from flexsid.api.context import TheStore, save_files
 from flexsid.api.models.requests import LONGEST_TEXT, Id, Request, Text, Title
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.parameters import check_integer, query_as
-from flexsid.api.responses import add_job_routes
+from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.errors import BadInput, Conflict
@@ -22,13 +22,12 @@ from flexsid.importers import sandbox
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, PREDICTED_FLUTTER
 from flexsid.records import finite_or_none
-from flexsid.records.flutter import ClosedLoop, Controller, Flutter, LoopMargin, PredictedFlutter
+from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
 from flexsid.storage.lists.list_query import Page
-from flexsid.text import LARGEST_ID, count_noun
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.flutter import controllers
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
-from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 
 # --- Flutter prediction from identified runs, for the next test point -----------------------------
 
@@ -36,28 +35,9 @@ flutter_router = make_router("/flutter", tag="flutter")
 
 
 TheFlutterQuery = Annotated[FlutterQuery, Depends(query_as(FlutterQuery))]
-ThePredictedQuery = Annotated[PredictedFlutterQuery, Depends(query_as(PredictedFlutterQuery))]
 
-add_job_routes(
-    *(flutter_router, "", FLUTTER, "flutter"),
-    lambda store, query: count_noun(len(query.run_ids), "run"),
-)
-add_job_routes(
-    *(flutter_router, "/predicted", PREDICTED_FLUTTER, "predicted_flutter"),
-    lambda store, query: store.predictions.get(query.prediction_id).source,
-)
-
-
-@flutter_router.get("", response_model=Flutter)
-def get_flutter(store: TheStore, query: TheFlutterQuery) -> Json:
-    """Return the stored flutter speed of these runs, with its confidence interval."""
-    return Json(get_result(store, FLUTTER, query).flutter)
-
-
-@flutter_router.get("/predicted", response_model=PredictedFlutter)
-def get_predicted_flutter(store: TheStore, query: ThePredictedQuery) -> Json:
-    """Return the stored flutter speed of a prediction alone, by p-k and by rational functions."""
-    return Json(get_result(store, PREDICTED_FLUTTER, query).flutter)
+add_analysis(flutter_router, FLUTTER)
+add_analysis(flutter_router, PREDICTED_FLUTTER)
 
 
 # --- Closed-loop stability of identified models with a controller ---------------------------------
@@ -89,10 +69,7 @@ class ClosedLoopStability:
 _MARGINS = tuple(one.name for one in fields(LoopMargin) if one.name != "surface")
 TheClosedLoopQuery = Annotated[ClosedLoopQuery, Depends(query_as(ClosedLoopQuery))]
 
-add_job_routes(
-    *(closed_loop_router, "", CLOSED_LOOP, "closed_loop"),
-    lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
-)
+add_analysis(closed_loop_router, CLOSED_LOOP)
 
 
 @closed_loop_router.get("", response_model=ClosedLoopStability)

@@ -15,7 +15,7 @@ from flexsid.api.models.design_requests import (
 )
 from flexsid.api.models.responses import extend_record
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_job_routes
+from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
@@ -36,7 +36,6 @@ from flexsid.records.global_model import (
 )
 from flexsid.storage.lists.list_query import Items
 from flexsid.sysid.exchange.fmu import FmiVersion
-from flexsid.text import count_noun
 from flexsid.workflow.global_model import versions
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.exports import write_dave_ml, write_global_fmu
@@ -62,19 +61,7 @@ class GlobalModelDetail(ReviewedGlobalModel):
 
 TheGlobalModelQuery = Annotated[GlobalModelQuery, Depends(query_as(GlobalModelQuery))]
 
-add_job_routes(
-    *(router, "", GLOBAL_MODEL, "global_model"),
-    lambda store, query: count_noun(len(query.run_ids), "run"),
-)
-
-
-@router.get("", response_model=GlobalModelSummary)
-def get_global_model(store: TheStore, query: TheGlobalModelQuery) -> Json:
-    """Return the stored global model of these runs: derivatives, scores and outlying runs.
-
-    The figures ``global-slice`` and ``global-coverage`` have its values over the envelope.
-    """
-    return Json(get_result(store, GLOBAL_MODEL, query).summary)
+add_analysis(router, GLOBAL_MODEL)
 
 
 @router.get(

@@ -109,6 +109,28 @@ def get_queue_status(store: TheStore) -> Json:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JobKind:
+    """A kind of job, its label, and the address of what its jobs work on or have as result.
+
+    ``{field}`` in the address is a value of the request of a job, ``{result.field}`` of its
+    result, ``{id}`` its id; ``:percent`` multiplies a fraction by 100, ``:not`` is the contrary.
+    """
+
+    name: str
+    label: str
+    page: str
+
+
+@jobs_router.get("/kinds", response_model=Items[JobKind])
+def list_job_kinds() -> Json:
+    """List the kinds of jobs, with their labels and addresses."""
+    kinds = load_kinds().values()
+    return Json(
+        Items(items=[JobKind(name=one.name, label=one.label, page=one.page) for one in kinds])
+    )
+
+
 @jobs_router.get("/{job_id}", response_model=JobItem)
 def get_job(store: TheStore, job_id: Identity) -> Json:
     """Return the progress of a job."""

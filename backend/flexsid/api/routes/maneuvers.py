@@ -16,8 +16,7 @@ from flexsid.api.models.responses import (
     ManeuverDetail,
     extend_record,
 )
-from flexsid.api.parameters import query_as
-from flexsid.api.responses import CSV_FILE, add_job_routes, make_file_response
+from flexsid.api.responses import CSV_FILE, add_analysis, make_file_response
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -31,11 +30,9 @@ from flexsid.api.serialization import (
     read_query,
 )
 from flexsid.errors import BadInput
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import OUTPUT_ONLY_MODES, RECONSTRUCTION, TRANSFER_FUNCTION
 from flexsid.records.maneuver import Cut, Flight, FlightChannel, Maneuver, ManeuverProposal
 from flexsid.records.run import RunProposal
-from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.storage import bulk
 from flexsid.storage.lists.list_query import Facets, Items, Page
 from flexsid.storage.lists.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
@@ -44,8 +41,6 @@ from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.text import LARGEST_ID, split_ids, split_names
 from flexsid.workflow.importing import maneuver_cutting
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
-from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
-from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
 from flexsid.workflow.views.maneuver import (
     read_samples,
@@ -147,10 +142,7 @@ def get_samples(
 
 
 # The figure of the reconstruction has its result.
-add_job_routes(
-    *(maneuvers_router, "/{maneuver_id}/reconstruction", RECONSTRUCTION, "reconstruction"),
-    *(lambda store, query: store.maneuvers.get(query.maneuver_id).label, "maneuver_id"),
-)
+add_analysis(maneuvers_router, RECONSTRUCTION)
 
 
 @maneuvers_router.post("", response_model=ManeuverDetail, status_code=201)
@@ -263,40 +255,11 @@ def cut_maneuver(store: TheStore, flight_id: Identity, body: CutRequest) -> Json
 
 output_only_router = make_router(tag="maneuvers")
 
-add_job_routes(
-    *(output_only_router, "/output-only-modes", OUTPUT_ONLY_MODES, "output_only_modes"),
-    lambda store, query: store.maneuvers.get(query.maneuver_id).label,
-)
-
-
-@output_only_router.get("/output-only-modes", response_model=OutputOnlyResult)
-def get_output_only_modes(
-    store: TheStore, query: Annotated[OutputOnlyQuery, Depends(query_as(OutputOnlyQuery))]
-) -> Json:
-    """Return the stored modes of a record from its outputs alone, with standard errors."""
-    return Json(get_result(store, OUTPUT_ONLY_MODES, query))
+add_analysis(output_only_router, OUTPUT_ONLY_MODES)
 
 
 # --- Transfer functions of one input and output of a maneuver -------------------------------------
 
 transfer_functions_router = make_router(tag="maneuvers")
 
-
-TheQuery = Annotated[TransferFunctionQuery, Depends(query_as(TransferFunctionQuery))]
-
-add_job_routes(
-    *(transfer_functions_router, "/transfer-functions", TRANSFER_FUNCTION, "transfer_function"),
-    lambda store, query: (
-        f"{query.output} over {query.input}, {store.maneuvers.get(query.maneuver_id).label}"
-    ),
-)
-
-
-@transfer_functions_router.get("/transfer-functions", response_model=TransferFunction)
-def get_transfer_function(store: TheStore, query: TheQuery) -> Json:
-    """Return the stored transfer function of an output over an input, with standard errors.
-
-    By default the orders are those usual for the output: a short period for pitch rate and pitch
-    angle, a roll mode for roll rate and bank angle.
-    """
-    return Json(get_result(store, TRANSFER_FUNCTION, query).function)
+add_analysis(transfer_functions_router, TRANSFER_FUNCTION)

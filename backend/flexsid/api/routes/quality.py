@@ -13,8 +13,7 @@ from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import AssessRequest, ConditioningRequest
 from flexsid.api.models.responses import Assessing, QualityList
-from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_job_routes
+from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -25,11 +24,10 @@ from flexsid.api.serialization import (
     describe_sort,
     read_query,
 )
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import COMPATIBILITY, QUALITY
 from flexsid.records.job import Job
 from flexsid.records.maneuver import ConditioningStep, Correction
-from flexsid.records.quality import CompatibilityReport, ManeuverQuality
+from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import RunState
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.encoding import encode
@@ -43,10 +41,8 @@ from flexsid.storage.lists.campaign_rows import (
 )
 from flexsid.storage.lists.list_query import Items
 from flexsid.storage.store import Store
-from flexsid.text import count_noun
 from flexsid.workflow.measurements import maneuver_spectra
 from flexsid.workflow.quality import maneuver_quality
-from flexsid.workflow.quality.compatibility import CompatibilityQuery
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 
 # --- Data quality of the maneuvers of a campaign: list and assessment -----------------------------
@@ -189,24 +185,4 @@ def undo_conditioning(
 
 compatibility_router = make_router(tag="quality")
 
-
-TheQuery = Annotated[CompatibilityQuery, Depends(query_as(CompatibilityQuery))]
-
-
-def _make_title(store: Store, query: CompatibilityQuery) -> str:
-    if len(query.maneuver_ids) == 1:
-        return store.maneuvers.get(query.maneuver_ids[0]).label
-    return count_noun(len(query.maneuver_ids), "maneuver")
-
-
-add_job_routes(compatibility_router, "/compatibility", COMPATIBILITY, "compatibility", _make_title)
-
-
-@compatibility_router.get("/compatibility", response_model=CompatibilityReport)
-def get_compatibility(store: TheStore, query: TheQuery) -> Json:
-    """Return the stored comparison of the sensors of maneuvers by kinematics.
-
-    It needs the locations of the sensors, and neither aerodynamics nor a modal table. Each fault
-    has its correction, for ``/conditioning``, and the faults that the data do not separate from it.
-    """
-    return Json(get_result(store, COMPATIBILITY, query))
+add_analysis(compatibility_router, COMPATIBILITY)

@@ -12,7 +12,7 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import Id, Request, Title
 from flexsid.api.models.responses import MeasuredFunction
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_job_routes, submit_job
+from flexsid.api.responses import add_analysis, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.errors import UnknownRecord
@@ -162,11 +162,7 @@ def get_measured_responses(store: TheStore, responses_id: Identity) -> MeasuredR
     return store.measured_responses.get(responses_id)
 
 
-add_job_routes(
-    *(vibration_tests_router, "/measured-responses/{responses_id}/modes", MODES, "modes"),
-    lambda store, search: store.measured_responses.get(search.responses_id).name,
-    "responses_id",
-)
+add_analysis(vibration_tests_router, MODES)
 
 
 @vibration_tests_router.get("/measured-responses/{responses_id}/modes")

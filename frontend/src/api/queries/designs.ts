@@ -2,14 +2,7 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import type { OBJECTIVES } from "../../views";
 import { api, body, items } from "../client";
-import type {
-  ExpectedErrors,
-  ExpectedSummary,
-  InputComparison,
-  OptimalDesign,
-  OptimisedAmplitudes,
-} from "../types";
-import type { StoredResultOptions } from "../useStoredResult";
+import { storedResult } from "../storedResult";
 
 export const designsQuery = queryOptions({
   queryKey: ["designs"],
@@ -91,44 +84,27 @@ export const designChecksQuery = (id: number, level: number, actuator: Actuator)
   });
 
 /** Predicted standard errors, and the response that they rest on. */
-export const predictedAccuracyResult = (
-  id: number,
-  level: number,
-  runId: number,
-): StoredResultOptions<{ errors: ExpectedErrors; response: ExpectedSummary }> => {
+export const predictedAccuracyResult = (id: number, level: number, runId: number) => {
   const params = { path: { design_id: id }, query: { run_id: runId, level } };
-  const path = "/api/v1/designs/{design_id}/predicted-accuracy/results";
-  return {
-    key: ["designs", id, "accuracy", level, runId],
-    enabled: true,
-    read: async (signal) => {
+  return storedResult(
+    "/api/v1/designs/{design_id}/predicted-accuracy",
+    params,
+    true,
+    async (signal) => {
       const [errors, response] = await Promise.all([
         body(api.GET("/api/v1/designs/{design_id}/expected-errors", { params, signal })),
         body(api.GET("/api/v1/designs/{design_id}/expected-response", { params, signal })),
       ]);
       return { errors, response };
     },
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
+  );
 };
 
-export const classicInputsResult = (
-  id: number,
-  level: number,
-  runId: number,
-): StoredResultOptions<InputComparison> => {
-  const params = { path: { design_id: id }, query: { run_id: runId, level } };
-  const path = "/api/v1/designs/{design_id}/classic-inputs/results";
-  return {
-    key: ["designs", id, "classic", level, runId],
-    enabled: true,
-    read: (signal) =>
-      body(api.GET("/api/v1/designs/{design_id}/classic-inputs", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+export const classicInputsResult = (id: number, level: number, runId: number) =>
+  storedResult("/api/v1/designs/{design_id}/classic-inputs", {
+    path: { design_id: id },
+    query: { run_id: runId, level },
+  });
 
 export const preflightSimulationsQuery = (designId: number) =>
   queryOptions({
@@ -154,17 +130,11 @@ export const amplitudesResult = (
   level: number,
   runId: number,
   limits: AmplitudeLimits,
-): StoredResultOptions<OptimisedAmplitudes> => {
-  const params = { path: { design_id: id }, query: { run_id: runId, level, ...limits } };
-  const path = "/api/v1/designs/{design_id}/amplitudes/results";
-  return {
-    key: ["designs", id, "amplitudes", level, runId, limits],
-    enabled: true,
-    read: (signal) => body(api.GET("/api/v1/designs/{design_id}/amplitudes", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+) =>
+  storedResult("/api/v1/designs/{design_id}/amplitudes", {
+    path: { design_id: id },
+    query: { run_id: runId, level, ...limits },
+  });
 
 export interface OptimalDesignRequest {
   run_id: number;
@@ -181,19 +151,9 @@ export interface OptimalDesignRequest {
   after_run?: boolean;
 }
 
-export const optimalDesignResult = (
-  id: number,
-  query: OptimalDesignRequest,
-  enabled: boolean,
-): StoredResultOptions<OptimalDesign> => {
-  const params = { path: { design_id: id }, query };
-  const path = "/api/v1/designs/{design_id}/optimal-design/results";
-  return {
-    key: ["designs", id, "optimal-design", query],
+export const optimalDesignResult = (id: number, query: OptimalDesignRequest, enabled: boolean) =>
+  storedResult(
+    "/api/v1/designs/{design_id}/optimal-design",
+    { path: { design_id: id }, query },
     enabled,
-    read: (signal) =>
-      body(api.GET("/api/v1/designs/{design_id}/optimal-design", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+  );

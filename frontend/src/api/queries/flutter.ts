@@ -1,8 +1,7 @@
 /** Damping, the margin to flutter, and the loop that a controller closes. */
 import { queryOptions } from "@tanstack/react-query";
-import { api, body, items } from "../client";
-import type { StoredResultOptions } from "../useStoredResult";
-import type { ClosedLoopStability, Flutter, PredictedFlutter } from "../types";
+import { api, items } from "../client";
+import { storedResult } from "../storedResult";
 
 export interface FlutterParams {
   run_ids: string;
@@ -14,16 +13,8 @@ export interface FlutterParams {
 }
 
 /** The flutter prediction; an equal request is the same job. */
-export const flutterResult = (query: FlutterParams): StoredResultOptions<Flutter> => {
-  const params = { query };
-  return {
-    key: ["flutter", query],
-    enabled: query.run_ids !== "",
-    read: (signal) => body(api.GET("/api/v1/flutter", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/flutter/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/flutter/results", { params })),
-  };
-};
+export const flutterResult = (query: FlutterParams) =>
+  storedResult("/api/v1/flutter", { query }, query.run_ids !== "");
 
 export interface PredictedFlutterParams {
   prediction_id: number;
@@ -35,18 +26,12 @@ export interface PredictedFlutterParams {
 }
 
 /** The flutter analysis of a prediction alone; an equal request is the same job. */
-export const predictedFlutterResult = (
-  query: PredictedFlutterParams | undefined,
-): StoredResultOptions<PredictedFlutter> => {
-  const params = { query: query ?? { prediction_id: 0 } };
-  return {
-    key: ["predicted-flutter", query],
-    enabled: query !== undefined,
-    read: (signal) => body(api.GET("/api/v1/flutter/predicted", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/flutter/predicted/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/flutter/predicted/results", { params })),
-  };
-};
+export const predictedFlutterResult = (query: PredictedFlutterParams | undefined) =>
+  storedResult(
+    "/api/v1/flutter/predicted",
+    { query: query ?? { prediction_id: 0 } },
+    query !== undefined,
+  );
 
 export const controllersQuery = queryOptions({
   queryKey: ["controllers"],
@@ -54,16 +39,9 @@ export const controllersQuery = queryOptions({
 });
 
 /** The closed-loop analysis; an equal request is the same job. */
-export const closedLoopResult = (
-  query: FlutterParams,
-  controllerId: number | undefined,
-): StoredResultOptions<ClosedLoopStability> => {
-  const params = { query: { ...query, controller_id: controllerId ?? 0 } };
-  return {
-    key: ["closed-loop", query, controllerId],
-    enabled: query.run_ids !== "" && controllerId !== undefined,
-    read: (signal) => body(api.GET("/api/v1/closed-loop", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/closed-loop/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/closed-loop/results", { params })),
-  };
-};
+export const closedLoopResult = (query: FlutterParams, controllerId: number | undefined) =>
+  storedResult(
+    "/api/v1/closed-loop",
+    { query: { ...query, controller_id: controllerId ?? 0 } },
+    query.run_ids !== "" && controllerId !== undefined,
+  );

@@ -1,8 +1,7 @@
 /** Global aerodynamic model: derivatives over the envelope from the estimates of all runs. */
 import { queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import type { StoredResultOptions } from "../useStoredResult";
-import type { GlobalModelSummary } from "../types";
+import { storedResult } from "../storedResult";
 
 export interface GlobalModelParams {
   run_ids: string;
@@ -11,18 +10,8 @@ export interface GlobalModelParams {
 }
 
 /** The global model of runs; an equal request is the same job. */
-export const globalModelResult = (
-  query: GlobalModelParams,
-): StoredResultOptions<GlobalModelSummary> => {
-  const params = { query };
-  return {
-    key: ["global-models", query],
-    enabled: query.run_ids !== "" && query.variables !== "",
-    read: (signal) => body(api.GET("/api/v1/global-models", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/global-models/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/global-models/results", { params })),
-  };
-};
+export const globalModelResult = (query: GlobalModelParams) =>
+  storedResult("/api/v1/global-models", { query }, query.run_ids !== "" && query.variables !== "");
 
 export const globalModelVersionsQuery = (aircraft_id?: number) =>
   queryOptions({

@@ -17,6 +17,13 @@ export const jobLogQuery = (id: number) =>
       items(api.GET("/api/v1/jobs/{job_id}/log", { params: { path: { job_id: id } }, signal })),
   });
 
+/** Labels of the kinds of jobs, and where a job leads to. */
+export const jobKindsQuery = queryOptions({
+  queryKey: ["job-kinds"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/jobs/kinds", { signal })),
+  staleTime: Infinity,
+});
+
 export const jobsQuery = (filters: { state?: RunState; batch_id?: number }) =>
   queryOptions({
     queryKey: ["jobs", filters],

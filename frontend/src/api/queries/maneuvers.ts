@@ -1,15 +1,8 @@
 /** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, items, json } from "../client";
-import type {
-  Compatibility,
-  FigureSpec,
-  ManeuverFilters,
-  ModelAxis,
-  OutputOnlyResult,
-  TransferFunction,
-} from "../types";
-import type { StoredResultOptions } from "../useStoredResult";
+import type { FigureSpec, ManeuverFilters, ModelAxis } from "../types";
+import { storedResult } from "../storedResult";
 import { PAGED } from "./habits";
 
 export const maneuversQuery = (filters: ManeuverFilters, sort: string, limit = 50) =>
@@ -50,20 +43,16 @@ export const reconstructionResult = (
   id: number,
   modes: number[] | undefined,
   axis: ModelAxis | undefined,
-): StoredResultOptions<FigureSpec> => {
-  const params = { path: { maneuver_id: id }, query: { modes: modes?.join(","), axis } };
-  const path = "/api/v1/maneuvers/{maneuver_id}/reconstruction/results";
-  return {
-    key: ["reconstruction", id, modes ?? [], axis],
-    enabled: true,
-    read: (signal) =>
+) =>
+  storedResult(
+    "/api/v1/maneuvers/{maneuver_id}/reconstruction",
+    { path: { maneuver_id: id }, query: { modes: modes?.join(","), axis } },
+    true,
+    (signal) =>
       json(address("figures/reconstruction", { maneuver_id: id, modes, axis }), {
         signal,
       }) as Promise<FigureSpec>,
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+  );
 
 export interface TransferFunctionParams {
   maneuver_id: number;
@@ -78,19 +67,8 @@ export interface TransferFunctionParams {
 }
 
 /** The transfer function of an output over an input, with standard errors. */
-export const transferFunctionResult = (
-  query: TransferFunctionParams,
-): StoredResultOptions<TransferFunction> => {
-  const params = { query };
-  const path = "/api/v1/transfer-functions/results";
-  return {
-    key: ["transfer-functions", query],
-    enabled: true,
-    read: (signal) => body(api.GET("/api/v1/transfer-functions", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+export const transferFunctionResult = (query: TransferFunctionParams) =>
+  storedResult("/api/v1/transfer-functions", { query });
 
 export interface OutputOnlyParams {
   maneuver_id: number;
@@ -101,32 +79,12 @@ export interface OutputOnlyParams {
 }
 
 /** The modes of a record from its outputs alone, with standard errors. */
-export const outputOnlyResult = (
-  query: OutputOnlyParams,
-): StoredResultOptions<OutputOnlyResult> => {
-  const params = { query };
-  const path = "/api/v1/output-only-modes/results";
-  return {
-    key: ["output-only-modes", query],
-    enabled: true,
-    read: (signal) => body(api.GET("/api/v1/output-only-modes", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+export const outputOnlyResult = (query: OutputOnlyParams) =>
+  storedResult("/api/v1/output-only-modes", { query });
 
 /** The sensors of maneuvers of one recorder compared by kinematics. */
-export const compatibilityResult = (ids: number[]): StoredResultOptions<Compatibility> => {
-  const params = { query: { maneuver_ids: ids.join(",") } };
-  const path = "/api/v1/compatibility/results";
-  return {
-    key: ["compatibility", ids],
-    enabled: true,
-    read: (signal) => body(api.GET("/api/v1/compatibility", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+export const compatibilityResult = (ids: number[]) =>
+  storedResult("/api/v1/compatibility", { query: { maneuver_ids: ids.join(",") } });
 
 export const conditioningQuery = (id: number) =>
   queryOptions({

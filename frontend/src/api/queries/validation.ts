@@ -1,12 +1,5 @@
 /** Predictions of maneuvers by the models of runs, and of held-out data by refits. */
-import { api, body } from "../client";
-import type { StoredResultOptions } from "../useStoredResult";
-import type {
-  AerodynamicsComparison,
-  CrossPredictionMatrix,
-  CrossValidationSummary,
-  PosteriorCheck,
-} from "../types";
+import { storedResult } from "../storedResult";
 
 export interface CrossPredictionParams {
   run_ids: string;
@@ -14,18 +7,8 @@ export interface CrossPredictionParams {
 }
 
 /** The matrix of cross-predictions; an equal request is the same job. */
-export const crossPredictionResult = (
-  query: CrossPredictionParams,
-): StoredResultOptions<CrossPredictionMatrix> => {
-  const params = { query };
-  return {
-    key: ["cross-predictions", query],
-    enabled: query.run_ids !== "",
-    read: (signal) => body(api.GET("/api/v1/cross-predictions", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/cross-predictions/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/cross-predictions/results", { params })),
-  };
-};
+export const crossPredictionResult = (query: CrossPredictionParams) =>
+  storedResult("/api/v1/cross-predictions", { query }, query.run_ids !== "");
 
 export interface CrossValidationParams {
   run_id: number;
@@ -34,45 +17,13 @@ export interface CrossValidationParams {
 }
 
 /** The cross-validation of a run; an equal request is the same job. */
-export const crossValidationResult = (
-  query: CrossValidationParams,
-): StoredResultOptions<CrossValidationSummary> => {
-  const params = { query };
-  return {
-    key: ["cross-validations", query],
-    enabled: true,
-    read: (signal) => body(api.GET("/api/v1/cross-validations", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/cross-validations/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/cross-validations/results", { params })),
-  };
-};
+export const crossValidationResult = (query: CrossValidationParams) =>
+  storedResult("/api/v1/cross-validations", { query });
 
 /** Quasi-steady against shaped derivatives on the data of a run; computed where `requested`. */
-export const aerodynamicsResult = (
-  runId: number,
-  requested: boolean,
-): StoredResultOptions<AerodynamicsComparison> => {
-  const params = { query: { run_id: runId } };
-  return {
-    key: ["aerodynamics-comparisons", runId],
-    enabled: requested,
-    read: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/aerodynamics-comparisons/results", { params })),
-  };
-};
+export const aerodynamicsResult = (runId: number, requested: boolean) =>
+  storedResult("/api/v1/aerodynamics-comparisons", { query: { run_id: runId } }, requested);
 
 /** The posterior of an output-error run against its standard errors; computed where `requested`. */
-export const posteriorResult = (
-  runId: number,
-  requested: boolean,
-): StoredResultOptions<PosteriorCheck> => {
-  const params = { query: { run_id: runId } };
-  return {
-    key: ["posterior-checks", runId],
-    enabled: requested,
-    read: (signal) => body(api.GET("/api/v1/posterior-checks", { params, signal })),
-    find: (signal) => body(api.GET("/api/v1/posterior-checks/results", { params, signal })),
-    submit: () => body(api.POST("/api/v1/posterior-checks/results", { params })),
-  };
-};
+export const posteriorResult = (runId: number, requested: boolean) =>
+  storedResult("/api/v1/posterior-checks", { query: { run_id: runId } }, requested);

@@ -1,8 +1,7 @@
 /** Measured responses of a vibration test, and the modes in them. */
 import { queryOptions } from "@tanstack/react-query";
-import type { FoundModes } from "../types";
 import { api, body, items } from "../client";
-import type { StoredResultOptions } from "../useStoredResult";
+import { storedResult } from "../storedResult";
 
 export const measuredResponsesQuery = (aircraftId: number) =>
   queryOptions({
@@ -20,18 +19,11 @@ export const measuredResponsesQuery = (aircraftId: number) =>
 export const foundModesResult = (
   id: number,
   query: { low_hz?: number; high_hz?: number; order: number; poles?: string },
-): StoredResultOptions<FoundModes> => {
-  const params = { path: { responses_id: id }, query };
-  const path = "/api/v1/measured-responses/{responses_id}/modes/results";
-  return {
-    key: ["measured-responses", "modes", id, query],
-    enabled: true,
-    read: (signal) =>
-      body(api.GET("/api/v1/measured-responses/{responses_id}/modes", { params, signal })),
-    find: (signal) => body(api.GET(path, { params, signal })),
-    submit: () => body(api.POST(path, { params })),
-  };
-};
+) =>
+  storedResult("/api/v1/measured-responses/{responses_id}/modes", {
+    path: { responses_id: id },
+    query,
+  });
 
 export const orthogonalityQuery = (jobId: number) =>
   queryOptions({
