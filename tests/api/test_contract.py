@@ -13,19 +13,16 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from interface import DESCRIPTION
 from postgresql import Cluster
 from tests.conftest import Listening
-
-from flexsid.api.app import create_app
-from flexsid.settings import Settings
 
 schemathesis = pytest.importorskip("schemathesis", reason="schemathesis is not installed")
 
 # The server runs in the process of the test and draws random numbers of its own.
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 
-DESCRIBED = create_app(Settings()).openapi()
-schema = schemathesis.openapi.from_dict(DESCRIBED)
+schema = schemathesis.openapi.from_dict(DESCRIPTION)
 # Boundaries of every field, one by one, would be most of the time; these are drawn at random.
 schema.config.phases.coverage.enabled = False
 LENIENT = [

@@ -11,10 +11,10 @@ from typing import Any
 import anyio
 import jsonschema
 import pytest
+from interface import DESCRIPTION
 from mcp import Client
 from mcp.client.stdio import StdioServerParameters
 
-from flexsid.api.app import create_app
 from flexsid.client.agent_server import (
     LARGEST_RESULT,
     PROPOSALS,
@@ -25,9 +25,7 @@ from flexsid.client.agent_server import (
 )
 from flexsid.client.connection import Connection
 from flexsid.errors import BadInput
-from flexsid.settings import Settings
 
-DESCRIPTION = create_app(Settings()).openapi()
 TOOLS = list_tools(DESCRIPTION)
 
 

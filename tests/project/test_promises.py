@@ -7,6 +7,7 @@ import copy
 from typing import Any
 
 import pytest
+from interface import DESCRIPTION
 from promises import (
     POLICY,
     RECORD,
@@ -24,15 +25,13 @@ from promises import (
 )
 from pydantic import create_model
 
-from flexsid.api.app import create_app
 from flexsid.importers.mapping import TimeMapping
 from flexsid.importers.table import MappingTable
-from flexsid.settings import Settings
 
 
 @pytest.fixture(scope="module")
 def openapi() -> dict[str, Any]:
-    return create_app(Settings()).openapi()
+    return DESCRIPTION
 
 
 @pytest.fixture(scope="module")
