@@ -100,6 +100,46 @@ def test_responses_of_universal_files(name):
     assert any("type 0" in note for note in found.notes) == (name == "type-0")
 
 
+def write_parts(first: str, second: str, kind: int) -> str:
+    """Return the frequency response of a case as two real functions with a text in each."""
+    block = (CASES / "universal-frf-type-4.unv").read_text().partition("    -1\n    58\n")[2]
+    lines = block.partition("    -1\n")[0].splitlines()
+    numbers = [number for line in lines[11:] for number in line.split()]
+    text = ""
+    for part, name in enumerate((first, second)):
+        head = [name, *lines[1:5], f"{kind:5d}{lines[5][5:]}", f"{2:10d}{lines[6][10:]}"]
+        rows = [" ".join(numbers[at + part : at + 12 : 2]) for at in range(0, len(numbers), 12)]
+        text += "\n".join(["    -1", "    58", *head, *lines[7:11], *rows, "    -1\n"])
+    return text
+
+
+@pytest.mark.parametrize("kind", [0, 4])
+@pytest.mark.parametrize(
+    ("first", "second", "is_joined"),
+    [
+        ("Response 12, real part", "Response 12, imaginary part", True),
+        ("FRF IMAG", "FRF REAL", True),
+        ("Partie réelle", "Partie imaginaire", True),
+        ("Real-time analyzer", "Real-time analyzer", False),
+        ("FRF", "FRF", False),
+    ],
+)
+def test_parts_of_responses_are_joined_by_their_texts(tmp_path, first, second, is_joined, kind):
+    path = tmp_path / "parts.unv"
+    path.write_text(write_parts(first, second, kind), encoding="utf-8")
+    found = {one.path: np.asarray(one.samples) for one in read_file(path, path.name)}
+    assert ("frf/real" in found) is is_joined
+    if is_joined:
+        values = found["frf/real"][0] + 1j * found["frf/imaginary"][0]
+        values = values if "IMAG" not in first else 1j * np.conj(values)  # as the parts are named
+        expected = read_responses("universal-frf-type-4.unv").values[:, 0, 0]
+        assert values == pytest.approx(expected, rel=1e-9)
+        assert found["frf/frequency"][[0, -1]] == pytest.approx([1.0, 6.0])
+        assert "functions of their own" in str(found["refused"])
+    else:
+        assert len([path for path in found if path.startswith("function/")]) == 4
+
+
 def test_units_of_responses_that_the_file_states_are_used():
     hertz = read_responses("universal-frf-rad-per-s.unv").frequency_hz
     assert hertz[[0, -1]] == pytest.approx([0.159155, 0.95493], rel=1e-5)

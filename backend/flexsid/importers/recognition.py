@@ -535,7 +535,10 @@ def _name_conditions(motion: _MovingColumns, found: list[_Found], slow: Iterable
             name = "altitude"
         elif own.kind == "speed":
             name = "airspeed"
-        elif own.kind == "temperature" or (not own.kind and -70.0 < mean < 60.0):
+        elif own.kind == "temperature" or (
+            # what moves about zero is no temperature; near 0 degC the name must say it
+            not own.kind and -70.0 < mean < 60.0 and motion.span[k] < 0.5 * abs(mean)
+        ):
             name = "temperature"
         else:
             name = ""
