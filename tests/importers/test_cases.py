@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.errors import BadInput, FlexsidError, UnreadableFile
 from flexsid.importers.formats.readers import read_file
 from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
 from flexsid.importers.modal_data.extraction import RawModalData
@@ -345,11 +345,21 @@ def test_scale_and_offset_of_a_data_set_are_applied(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         scaled = file.create_dataset("q", data=np.array([1, 2, -9], "i2"))
         scaled.attrs.update({"scale_factor": 0.5, "add_offset": 10.0, "missing_value": -9})
+        ranged = file.create_dataset("ranged", data=np.array([-7, 3, 8], "i2"))
+        ranged.attrs.update({"scale_factor": "0.5", "valid_range": np.array([-5, 5], "i2")})
+        unsigned = file.create_dataset("unsigned", data=np.array([1, -1, -2], "i1"))
+        unsigned.attrs.update({"_Unsigned": "true", "_FillValue": np.int8(-1)})
         file["odd"] = np.zeros(3, "V4")
     found = {one.path: one.samples for one in read_file(tmp_path / "a.h5", "a.h5")}
     assert found["q"].tolist()[:2] == [10.5, 11.0]
     assert np.isnan(found["q"][2])
+    np.testing.assert_array_equal(found["ranged"], [np.nan, 1.5, np.nan])
+    np.testing.assert_array_equal(found["unsigned"], [1.0, np.nan, 254.0])
     assert found["not_read"].tolist() == ["odd: data of type |V4"]
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["q"].attrs["scale_factor"] = "half"
+    with pytest.raises(UnreadableFile, match="attribute 'scale_factor' of a data set is no number"):
+        list(read_file(tmp_path / "a.h5", "a.h5"))
 
 
 def test_sensors_of_one_stamp_are_told_apart():

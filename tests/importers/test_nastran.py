@@ -134,6 +134,12 @@ def test_invalid_entry_is_named(tmp_path):
     file.write_text("GRID,1,,0.,0.,0.\nGRID,2,,zero,0.,0.\n")
     with pytest.raises(UnreadableFile, match="line 2"):
         read(bulk, file)
+    file.write_text("\ufeffGRID    1               0.5     0.      0.\n", encoding="utf-8")
+    (source,) = sandbox.read_all([file]).items
+    assert source.arrays["grid/id"].tolist() == [1]
+    file.write_text("GRID    1               0,5     0.      0.\n")
+    with pytest.raises(UnreadableFile, match=r"line 1: .*'0,5' is not a number"):
+        read(bulk, file)
 
 
 EIGENVECTOR = """1    JOB

@@ -352,9 +352,13 @@ def _find_end_delimiter(lines: Sequence[str]) -> str | None:
 
 
 def _has_decimal_commas(lines: Sequence[str], delimiter: str | None) -> bool:
-    """Return whether decimals have a comma: between semicolons, or in cells in quotes."""
+    """Return whether decimals have a comma: between semicolons or tabs, or in cells in quotes."""
     if delimiter == ";":
         return any(_is_decimal_comma(c) for line in lines for c in _split(line, ";", None))
+    if delimiter == "\t":
+        return any(
+            _CLEARLY_DECIMAL.fullmatch(c) for line in lines for c in _split(line, "\t", None)
+        )
     if delimiter != "," or '"' not in lines[-1]:
         return False
     return any(_CLEARLY_DECIMAL.fullmatch(c) for line in lines for c in _split(line, ",", None))
@@ -474,6 +478,9 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 def _check_quotes(header: str, delimiter: str | None, row: int) -> None:
     """Reject a header whose quotation marks do not enclose whole cells."""
+    cell = rf'\s*(?:"[^"]*"|[^"{delimiter}]*)\s*'
+    if delimiter is not None and re.fullmatch(rf"{cell}(?:{delimiter}{cell})*", header):
+        return
     for number, cell in enumerate(header.split(delimiter), start=1):
         name = cell.strip()
         whole = len(name) > 1 and name[0] == name[-1] == '"'

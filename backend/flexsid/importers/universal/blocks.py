@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -134,7 +135,7 @@ def iterate_data_sets(path: Path) -> Iterator[Block]:
         inside, row = False, 0
         while raw := file.readline():
             row += 1
-            text = _decode(raw).rstrip("\r\n")
+            text = _decode(raw.removeprefix(codecs.BOM_UTF8) if row == 1 else raw).rstrip("\r\n")
             if text.strip() == "-1" and len(text.rstrip()) <= 8:
                 if block is not None:
                     yield block
