@@ -362,6 +362,38 @@ def test_scale_and_offset_of_a_data_set_are_applied(tmp_path):
         list(read_file(tmp_path / "a.h5", "a.h5"))
 
 
+@pytest.mark.parametrize(
+    ("name", "head", "note"),
+    [
+        ("dataflash-two-instances.bin", b"\xa3\x95", "16 bytes outside messages"),
+        ("ulog-stamp-back.ulg", None, "damaged parts of the log"),
+    ],
+)
+def test_damage_within_a_log_is_noted(tmp_path, name, head, note):
+    content = bytearray((CASES / name).read_bytes())
+    at = len(content) // 2 if head is None else content.index(head, len(content) // 2)
+    if head is None:
+        del content[at : at + 11]
+    else:
+        content[at : at + 2] = b"\0\0"
+    (tmp_path / name).write_bytes(content)
+    found = {one.path: one.samples for one in read_file(tmp_path / name, name)}
+    assert note in str(found["not_read"])
+
+
+def test_sensors_of_alternating_stamps_are_told_apart(tmp_path):
+    content = (CASES / "dataflash-two-instances.bin").read_bytes()
+    size, parts = 3 + 8 + 1 + 4, []
+    start = len(content) - 600 * size
+    for at in range(start, len(content), size):  # the second sensor is read 50 us later
+        stamp = int.from_bytes(content[at + 3 : at + 11], "little") + 50 * content[at + 11]
+        parts += [content[at : at + 3], stamp.to_bytes(8, "little"), content[at + 11 : at + size]]
+    (tmp_path / "log.bin").write_bytes(content[:start] + b"".join(parts))
+    found = {one.path: one.samples for one in read_file(tmp_path / "log.bin", "log.bin")}
+    assert found["IMU.GyrY"].size == found["IMU.1.GyrY"].size == 300
+    assert found["IMU.1.TimeUS"] - found["IMU.TimeUS"] == pytest.approx(50e-6)
+
+
 def test_sensors_of_one_stamp_are_told_apart():
     (log,) = read("dataflash-two-instances.bin").items
     assert log.arrays["IMU.GyrY"].size == log.arrays["IMU.1.GyrY"].size == 300
