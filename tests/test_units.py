@@ -62,6 +62,10 @@ def test_g_is_the_acceleration_of_gravity_not_gram() -> None:
     ("written", "symbol"),
     [
         ("slug*ft^2", "slug*ft2"),
+        ("Degrees/sec", "deg/s"),
+        ("radians", "rad"),
+        ("ft/s/s", "ft/s2"),
+        ("m/sec^2", "m/s2"),
         ("m/s^2", "m/s2"),
         ("lbf*in*s^2", "lbf*in*s2"),
         ("1e-6", "ustrain"),

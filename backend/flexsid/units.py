@@ -9,6 +9,7 @@ file must never be evaluated.
 from __future__ import annotations
 
 import difflib
+import re
 from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING
@@ -109,6 +110,13 @@ _ALIASES = {
     "fps": "ft/s",
 }
 
+_WORDS = {
+    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "feet": "ft",
+    "foot": "ft", "meter": "m", "meters": "m", "metre": "m", "metres": "m", "volt": "V",
+    "volts": "V", "sec": "s", "second": "s", "seconds": "s", "knot": "kt", "celsius": "degC",
+    "kelvin": "K", "newton": "N", "pascal": "Pa", "percent": "%",
+}  # fmt: skip
+_PER_SECOND = re.compile(r"/(?:s|sec|seconds?)(?:/(?:s|sec)|2)$")
 _SPELLINGS = str.maketrans({"^": "", " ": "", "·": "*", "²": "2", "³": "3", "°": "deg"})
 
 SYMBOLS: tuple[str, ...] = tuple(_UNITS)
@@ -161,6 +169,9 @@ def lookup(unit: str) -> Unit:
     """
     plain = unit.translate(_SPELLINGS)
     found = _UNITS.get(_ALIASES.get(plain, plain))
+    if found is None:  # as in degrees/sec and m/s/s
+        written = _PER_SECOND.sub("/s2", plain).split("/")
+        found = _UNITS.get("/".join(_WORDS.get(word.lower(), word) for word in written))
     if found is None:
         known = [*_UNITS, *(alias for alias in _ALIASES if len(alias) > 1)]
         close = difflib.get_close_matches(plain, known, n=4, cutoff=0.5)

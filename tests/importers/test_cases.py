@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.errors import BadInput, FlexsidError, UnreadableFile
 from flexsid.importers.formats.readers import read_file
 from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
 from flexsid.importers.modal_data.extraction import RawModalData
@@ -98,6 +98,46 @@ def test_responses_of_universal_files(name):
     expected = 1.0 / (25.0 - (2.0 * np.pi * hertz) ** 2 + 0.5j * hertz)
     assert found.values[:, 0, 0] == pytest.approx(expected, rel=1e-4)
     assert any("type 0" in note for note in found.notes) == (name == "type-0")
+
+
+def write_parts(first: str, second: str, kind: int) -> str:
+    """Return the frequency response of a case as two real functions with a text in each."""
+    block = (CASES / "universal-frf-type-4.unv").read_text().partition("    -1\n    58\n")[2]
+    lines = block.partition("    -1\n")[0].splitlines()
+    numbers = [number for line in lines[11:] for number in line.split()]
+    text = ""
+    for part, name in enumerate((first, second)):
+        head = [name, *lines[1:5], f"{kind:5d}{lines[5][5:]}", f"{2:10d}{lines[6][10:]}"]
+        rows = [" ".join(numbers[at + part : at + 12 : 2]) for at in range(0, len(numbers), 12)]
+        text += "\n".join(["    -1", "    58", *head, *lines[7:11], *rows, "    -1\n"])
+    return text
+
+
+@pytest.mark.parametrize("kind", [0, 4])
+@pytest.mark.parametrize(
+    ("first", "second", "is_joined"),
+    [
+        ("Response 12, real part", "Response 12, imaginary part", True),
+        ("FRF IMAG", "FRF REAL", True),
+        ("Partie réelle", "Partie imaginaire", True),
+        ("Real-time analyzer", "Real-time analyzer", False),
+        ("FRF", "FRF", False),
+    ],
+)
+def test_parts_of_responses_are_joined_by_their_texts(tmp_path, first, second, is_joined, kind):
+    path = tmp_path / "parts.unv"
+    path.write_text(write_parts(first, second, kind), encoding="utf-8")
+    found = {one.path: np.asarray(one.samples) for one in read_file(path, path.name)}
+    assert ("frf/real" in found) is is_joined
+    if is_joined:
+        values = found["frf/real"][0] + 1j * found["frf/imaginary"][0]
+        values = values if "IMAG" not in first else 1j * np.conj(values)  # as the parts are named
+        expected = read_responses("universal-frf-type-4.unv").values[:, 0, 0]
+        assert values == pytest.approx(expected, rel=1e-9)
+        assert found["frf/frequency"][[0, -1]] == pytest.approx([1.0, 6.0])
+        assert "functions of their own" in str(found["refused"])
+    else:
+        assert len([path for path in found if path.startswith("function/")]) == 4
 
 
 def test_units_of_responses_that_the_file_states_are_used():
@@ -305,11 +345,53 @@ def test_scale_and_offset_of_a_data_set_are_applied(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         scaled = file.create_dataset("q", data=np.array([1, 2, -9], "i2"))
         scaled.attrs.update({"scale_factor": 0.5, "add_offset": 10.0, "missing_value": -9})
+        ranged = file.create_dataset("ranged", data=np.array([-7, 3, 8], "i2"))
+        ranged.attrs.update({"scale_factor": "0.5", "valid_range": np.array([-5, 5], "i2")})
+        unsigned = file.create_dataset("unsigned", data=np.array([1, -1, -2], "i1"))
+        unsigned.attrs.update({"_Unsigned": "true", "_FillValue": np.int8(-1)})
         file["odd"] = np.zeros(3, "V4")
     found = {one.path: one.samples for one in read_file(tmp_path / "a.h5", "a.h5")}
     assert found["q"].tolist()[:2] == [10.5, 11.0]
     assert np.isnan(found["q"][2])
+    np.testing.assert_array_equal(found["ranged"], [np.nan, 1.5, np.nan])
+    np.testing.assert_array_equal(found["unsigned"], [1.0, np.nan, 254.0])
     assert found["not_read"].tolist() == ["odd: data of type |V4"]
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["q"].attrs["scale_factor"] = "half"
+    with pytest.raises(UnreadableFile, match="attribute 'scale_factor' of a data set is no number"):
+        list(read_file(tmp_path / "a.h5", "a.h5"))
+
+
+@pytest.mark.parametrize(
+    ("name", "head", "note"),
+    [
+        ("dataflash-two-instances.bin", b"\xa3\x95", "16 bytes outside messages"),
+        ("ulog-stamp-back.ulg", None, "damaged parts of the log"),
+    ],
+)
+def test_damage_within_a_log_is_noted(tmp_path, name, head, note):
+    content = bytearray((CASES / name).read_bytes())
+    at = len(content) // 2 if head is None else content.index(head, len(content) // 2)
+    if head is None:
+        del content[at : at + 11]
+    else:
+        content[at : at + 2] = b"\0\0"
+    (tmp_path / name).write_bytes(content)
+    found = {one.path: one.samples for one in read_file(tmp_path / name, name)}
+    assert note in str(found["not_read"])
+
+
+def test_sensors_of_alternating_stamps_are_told_apart(tmp_path):
+    content = (CASES / "dataflash-two-instances.bin").read_bytes()
+    size, parts = 3 + 8 + 1 + 4, []
+    start = len(content) - 600 * size
+    for at in range(start, len(content), size):  # the second sensor is read 50 us later
+        stamp = int.from_bytes(content[at + 3 : at + 11], "little") + 50 * content[at + 11]
+        parts += [content[at : at + 3], stamp.to_bytes(8, "little"), content[at + 11 : at + size]]
+    (tmp_path / "log.bin").write_bytes(content[:start] + b"".join(parts))
+    found = {one.path: one.samples for one in read_file(tmp_path / "log.bin", "log.bin")}
+    assert found["IMU.GyrY"].size == found["IMU.1.GyrY"].size == 300
+    assert found["IMU.1.TimeUS"] - found["IMU.TimeUS"] == pytest.approx(50e-6)
 
 
 def test_sensors_of_one_stamp_are_told_apart():

@@ -66,7 +66,7 @@ def test_a_mapping_states_how_well_its_airspeed_is_known() -> None:
         ("number = 3", 'number = 3\nnumer = "x"', "'flight.numer' is not a key.*'number'"),
         ("number = 3", 'number = "three"', "'flight.number' must be a whole number"),
         ('"2026-05-31"', '"31 May"', "'flight.date' must have the form"),
-        ('unit = "deg"\n', 'unit = "degrees"\n', r"'channels\[1\].unit'.*Unknown unit 'degrees'"),
+        ('unit = "deg"\n', 'unit = "degs"\n', r"'channels\[1\].unit'.*Unknown unit 'degs'"),
         ('unit = "kt"', 'unit = "kg"', "'maneuver.condition.airspeed.unit' measures mass"),
         ('unit = "kt"', 'unit = "kn"', "'maneuver.condition.airspeed.unit'.*Unknown unit 'kn'"),
         ("value = 45.0", "value = nan", "'maneuver.condition.airspeed.value' must be a finite"),

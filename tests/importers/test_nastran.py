@@ -134,6 +134,12 @@ def test_invalid_entry_is_named(tmp_path):
     file.write_text("GRID,1,,0.,0.,0.\nGRID,2,,zero,0.,0.\n")
     with pytest.raises(UnreadableFile, match="line 2"):
         read(bulk, file)
+    file.write_text("\ufeffGRID    1               0.5     0.      0.\n", encoding="utf-8")
+    (source,) = sandbox.read_all([file]).items
+    assert source.arrays["grid/id"].tolist() == [1]
+    file.write_text("GRID    1               0,5     0.      0.\n")
+    with pytest.raises(UnreadableFile, match=r"line 1: .*'0,5' is not a number"):
+        read(bulk, file)
 
 
 EIGENVECTOR = """1    JOB
@@ -241,6 +247,27 @@ def test_tables_other_than_modes_are_skipped_and_noted(tmp_path):
         read(f06, file)
     file.write_text(printed_page() + printed_page(node=12) + printed_page(mode=2))
     assert "mode 2 is not given at node 12" in read(f06, file)["refused"][0]
+
+
+def test_pages_of_other_results_are_named(tmp_path):
+    file = tmp_path / "wing.f06"
+    row = "            11      G      9.000000E+00   0.0  0.0  0.0  0.0  0.0\n"
+    titles = (
+        "D I S P L A C E M E N T   V E C T O R",
+        "D I S P L A C E M E N T   V E C T O R",
+        "F O R C E S   O F   S I N G L E - P O I N T   C O N S T R A I N T",
+        "S T R E S S E S   I N   B A R   E L E M E N T S          ( C B A R )  OPTION = BILIN",
+        "C A S E    C O N T R O L    E C H O",
+    )
+    others = "".join(f"1   WING\n0\n                 {title}\n{row}" for title in titles)
+    file.write_text(printed_table(100.0) + printed_page(eigenvalue=100.0) + others)
+    found = read(f06, file)
+    assert found["shape/values"].shape[0] == 1
+    assert found["refused"].tolist() == [
+        "2 pages of other results: displacement vector",
+        "a page of other results: forces of single-point constraint",
+        "a page of other results: stresses in bar elements (cbar)",
+    ]
 
 
 @pytest.mark.parametrize("polar", [False, True])

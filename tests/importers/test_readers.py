@@ -64,6 +64,55 @@ def test_text_without_a_header_counts_its_columns(tmp_path: Path) -> None:
     assert source.first_row == 1
 
 
+START, MIDDLE = "t,event,q\n0.0,,1\n", "0.1,START,2\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "left"),
+    [
+        (START + MIDDLE, "event: a column of text (row 3: 'START')"),
+        ('t,"event, mode",q\n0.0,"a, b",1\n', "event, mode: a column of text (row 2: 'a, b')"),
+        ("Flight 3\nt;event;q\ns;-;deg\n0,0;AUTO;1\n", "event: a column of text (row 4: 'AUTO')"),
+        ("t,event,q\n0.0,03-Jun-2025 14:14:00.1,1\n", "event: a column of text (row 2: '03-Jun"),
+        ("t,event,q\n0.0,2:14:00 PM,1\n", "event: a column of text (row 2: '2:14:00 PM')"),
+        ("t,event,q\n0.0,,1\n0.1,,2\n", "event: a column of no entry"),
+        (START + "0.1,,2\n" * 600 + MIDDLE, "event: a column of text (row 603: 'START')"),
+    ],
+)
+def test_beside_a_column_of_text_the_numbers_are_read(
+    tmp_path: Path, content: str, left: str
+) -> None:
+    path = write(tmp_path / "flight.csv", content)
+    fields = {field.path: field.samples for field in read_file(path, path.name)}
+    assert list(fields) == ["t", "q", "not_read"]
+    assert [fields["t"][0], fields["q"][0]] == [0.0, 1.0]
+    assert fields["not_read"][0].startswith(left)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (START + "0.1,3,2\n", "row 2, column 'event' is empty"),
+        (START + MIDDLE + "0.2,3x,2\n", "row 2, column 'event' is empty"),
+        (START + "0.1,START,2x\n", "row 3, column 'q' holds '2x'"),
+        ("t,alt,q\n0.0,1 000,1\n", "row 2, column 'alt' holds '1 000'"),
+        ("t,alt,q\n0.0,1.5 m/s,1\n", "row 2, column 'alt' holds '1.5 m/s'"),
+        ("t,alt,q\n0.0,***,1\n", "row 2, column 'alt' holds '***'"),
+        ("t,alt,q\n0.0,\u22121.5,1\n", "row 2, column 'alt' holds '\u22121.5'"),
+        ("t,alt,q\n0.0,1.5D+00,1\n", "row 2, column 'alt' holds '1.5D+00'"),
+        (START + "0.1,,2\n" * 600 + "9.9,5,2\n", "row 603, column 'event' holds '5', and no row"),
+        ("0.0,AUTO,1\n0.1,AUTO,2\n", "row 1 may hold samples or names"),
+    ],
+)
+def test_a_damaged_column_of_numbers_is_no_column_of_text(
+    tmp_path: Path, content: str, problem: str
+) -> None:
+    path = write(tmp_path / "flight.csv", content)
+    with pytest.raises(UnreadableFile) as refused:
+        list(read_file(path, path.name))
+    assert problem in refused.value.message
+
+
 def test_a_header_of_millions_of_columns_is_refused_at_once(tmp_path: Path) -> None:
     wide = write(tmp_path / "wide.csv", "a," * 400_000 + "b\n1\n")
     with pytest.raises(UnreadableFile, match=r"row 1 names 400001 columns"):

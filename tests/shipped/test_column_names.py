@@ -48,6 +48,15 @@ LOGGED = {
     "az_device_id": ("az_device_id", "1"),
     "airspeed_innov_test_ratio": ("airspeed_innov_test_ratio", "1"),
     "rates_setpoint.pitch": ("rates_setpoint_pitch", "1"),
+    "theta_ref": ("theta_ref", "1"),
+    "pitch_stick [deg]": ("pitch_stick", "deg"),
+    "PIDP.P": ("PIDP_P", "1"),
+    "ATT.DesRoll": ("ATT_DesRoll", "1"),
+    "ARSP.H": ("ARSP_H", "1"),
+    "alpha_dot": ("alpha_dot", "1"),
+    "sensor.xyz.0": ("xyz.0", "1"),
+    "Yaw Rate (rad/sec)": ("r", "rad/sec"),
+    "Pitch Rate (turns/sec)": ("Pitch Rate (turns/sec)", "turns/sec"),  # which is asked
 }
 """Columns of logs: the name that is proposed, and its unit."""
 

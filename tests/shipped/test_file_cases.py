@@ -126,6 +126,195 @@ def test_the_force_unit_of_a_file_is_not_contradicted(client: Client) -> None:
     assert "its forces in lbf, N was given" in refused.text
 
 
+def sine(n_samples: int, rate_hz: float, sign: float = 1.0) -> np.ndarray:
+    """Return the pitch rate of the recordings, sin 3t."""
+    return sign * np.sin(3.0 * np.arange(n_samples) / rate_hz)
+
+
+SINE, LONG = sine(200, 50.0), sine(300, 100.0)
+READ = {  # field, samples of it
+    "table-bom-quoted-header.csv": {"q_degs": SINE},
+    "table-carriage-returns.csv": {"q_degs": SINE},
+    "table-decimal-comma.csv": {"q_degs": SINE},
+    "table-quoted-decimal-comma.csv": {"q_degs": SINE},
+    "table-summer-time.csv": {"q_degs": SINE},
+    "table-trailing-comma.csv": {"q_degs": SINE},
+    "table-utf16.csv": {"q_degs": SINE},
+    "matlab-nested-structs.mat": {"a.b.c.d.e.f.q": SINE},
+    "matlab-version-4.mat": {"q": SINE},
+    "matlab-struct-array.mat": {"run(1).q": SINE, "run(2).q": -SINE, "s.sig.values": SINE},
+    "hdf5-compound.h5": {"log.q": SINE},
+    "hdf5-number-types.h5": {"q_big_endian": SINE, "q_half": SINE},
+    "hdf5-units-as-array.h5": {"p": SINE, "q": SINE, "r": SINE},
+    "parquet-duration.parquet": {"q": SINE},
+    "dataflash-two-instances.bin": {"IMU.GyrY": LONG, "IMU.1.GyrY": -LONG},
+    "dataflash-two-instances-fmtu.bin": {"IMU.GyrY": LONG, "IMU.1.GyrY": -LONG},
+    "ulog-truncated.ulg": {"att.q": LONG[:167]},
+    "mdf-linear-conversion.mf4": {"q": np.array([-4.99, 14.99])},
+}
+REFUSED = {
+    "table-midnight.csv": "row 102, column 'utc': time does not increase",
+    "table-sentinel.csv": "row 52, column 'q_degs' holds -9999",
+    "table-quoted-thousands.csv": "row 2, column 'alt_ft' holds '1,000.0'",
+    "table-narrow-blank-thousands.csv": "row 2, column 'alt_ft' holds '1\u202f000'",
+    "table-three-digit-exponent.csv": "row 2, column 'q_degs' holds '1.0000-101'",
+    "table-repeated-name.csv": "'q_degs' is also the name of column 2",
+    "hdf5-fill-value.h5": "row 51, column 'q' holds nan",
+    "hdf5-unallocated.h5": "larger than the file by far",
+    "matlab73-cell-to-external-dataset.mat": "field 'names' is external or virtual",
+    "parquet-null.parquet": "row 51, column 'q' is empty",
+    "dataflash-huge-stamp.bin": "row 151, column 'IMU.TimeUS' holds",
+    "dataflash-nan.bin": "column 'IMU.GyrY' holds nan",
+    "dataflash-restart.bin": "row 151, column 'IMU.TimeUS': time does not increase",
+    "ulog-dropout.ulg": "row 101, column 'att.timestamp': the time step is 0.51 s",
+    "ulog-stamp-back.ulg": "row 101, column 'att.timestamp': time does not increase",
+    "mdf-invalid-samples.mf4": "channel 'q' holds 290 of 300 samples",
+}
+NOT_READ = {
+    "table-trailing-comma.csv": "the empty cell after the last delimiter",
+    "matlab-sparse.mat": "q: a sparse matrix",
+    "ulog-truncated.ulg": "the log ends within a message",
+    "ulog-dropout.ulg": "gaps of the recorder",
+    "chapter10-wrong-data-checksum.ch10": "12 packets whose data checksum is wrong",
+}
+
+
+def read_samples(client: Client, upload: str, mapping: str) -> dict[str, np.ndarray]:
+    """Return the channels of an upload as they are drawn, by field; in SI times 180 / pi."""
+    checked = check(client, upload, mapping)
+    assert checked["problem"] is None
+    names = {one["name"]: one["field"] for one in checked["channels"]}
+    shown = client.send(
+        "post", f"uploads/{upload}/preview", {"mapping": mapping, "channels": [*names]}
+    )
+    decode = base64.b64decode
+    return {
+        names[one["name"]]: np.frombuffer(decode(one["y"]["bdata"]), one["y"]["dtype"])
+        for one in shown["data"]
+        if one.get("name") in names
+    }
+
+
+@pytest.mark.parametrize("name", sorted({*READ, *REFUSED, *NOT_READ}))
+def test_recordings_are_read_or_refused_as_their_producers_mean_them(
+    client: Client, name: str
+) -> None:
+    sent = [("files", (name, (CASES / name).read_bytes()))]
+    response = client.request("post", "uploads", files=sent)
+    upload = mapping = ""
+    if response.is_success:
+        found = response.json()
+        upload, mapping = found["upload"]["id"], found["proposal"]["text"]
+        mapping = mapping.replace('name = "?"', 'name = "Cases"')
+        left = [text for file in found["files"] for text in file["not_read"]]
+        assert NOT_READ.get(name, "") in " | ".join(left)
+        assert name in NOT_READ or not left
+    if name in REFUSED:
+        message = response.text
+        if response.is_success:
+            message = check(client, upload, mapping)["problem"]["message"]
+        assert REFUSED[name] in message
+        return
+    fields = {one["field"]: one for one in response.json()["fields"]}
+    for field, expected in READ.get(name, {}).items():
+        assert fields[field]["smallest"] == pytest.approx(expected.min(), abs=1e-3)
+        assert fields[field]["largest"] == pytest.approx(expected.max(), abs=1e-3)
+        if expected.size > 2:
+            samples = read_samples(client, upload, mapping)[field]
+            assert samples.size == expected.size
+            if not field.endswith("values"):  # whose unit is not known
+                scale = (samples @ expected) / (expected @ expected)  # of the unit that is shown
+                assert scale > 0.0
+                assert np.abs(samples / scale - expected).max() < 1e-3
+
+
+def test_a_sound_recording_of_chapter_10_is_read(client: Client) -> None:
+    found = client.upload(CASES / "chapter10-sound.ch10")
+    fields = {one["field"]: one for one in found["fields"]}
+    assert fields["Q"]["first"] == [0.5, 2.0, 3.5, 4.96]
+    assert (fields["Q"]["n_samples"], fields["AZ"]["n_samples"]) == (299, 598)
+
+
+@pytest.mark.parametrize(
+    ("name", "node", "values"),
+    [
+        ("universal-three-digit-exponent-55", 1, [1.0, 1.23456e-101, 0.5]),
+        ("universal-three-digit-exponent-55", 2, [2.0, 1e-120, 0.7]),
+        ("universal-three-digit-exponent-2414", 1, [1.0, 1e-110, 0.5]),
+        ("universal-node-comments-55", 2, [2.0, 0.3, 0.7]),
+        ("universal-inch-164", 2, [0.0508, 0.00762, 0.01778]),
+        ("universal-two-frames-2420", 2, [0.0, 1.0, 0.0]),
+        ("universal-two-frames-2420", 3, [1.0, 0.0, 0.0]),
+    ],
+)
+def test_shapes_have_the_numbers_of_their_file(
+    client: Client, name: str, node: int, values: list[float]
+) -> None:
+    upload = client.upload(CASES / f"{name}.unv")["upload"]["id"]
+    stated = {} if "inch" in name else UNITS
+    body = {"aircraft_id": 1, "name": f"{name} {node}", "generalized_mass": "file", **stated}
+    table = client.send("post", f"uploads/{upload}/modal-data", body)
+    written = client.request("get", f"modal-tables/{table['id']}/file", params={"form": "csv"})
+    header, *rows = (line.split(",") for line in written.text.splitlines())
+    (row,) = [row for row in rows if int(row[header.index("node")]) == node]
+    at = header.index("phi_x_m")
+    assert list(map(float, row[at : at + 3])) == pytest.approx(values, rel=1e-6, abs=1e-200)
+    assert float(row[header.index("frequency_hz")]) == pytest.approx(5.0)
+
+
+def test_modes_are_followed_over_fuel_weights(client: Client) -> None:
+    files = {f"wing-fuel-{part}.f06": fuel for part, fuel in (("000", 0), ("050", 0.5), ("100", 1))}
+    upload = client.upload(*(CASES / name for name in ("wing-fuel.bdf", *files)))["upload"]["id"]
+    body = {"aircraft_id": 1, "name": "fuel", "generalized_mass": "file", "fuel": files}
+    units = {"length_unit": "in", "mass_unit": "slinch"}
+    table = client.send("post", f"uploads/{upload}/modal-data", body | units)
+    assert table["names"] == ["SW1B", "AW1B", "SW2B", "SW1T", "AW1T", "AFA"]
+    orders = []
+    for fuel in files.values():
+        modes = client.get(f"modal-tables/{table['id']}/modes", params={"fuel": fuel})["items"]
+        orders.append([one["name"] for one in sorted(modes, key=lambda one: one["frequency_hz"])])
+    assert [order.index("SW2B") for order in orders] == [2, 3, 4]  # it crosses both torsions
+    assert [order.index("SW1T") for order in orders] == [3, 2, 2]
+
+
+def test_parts_of_a_deck_are_read(client: Client) -> None:
+    names = ("nastran-with-include.bdf", "nastran-part-mkaero.bdf", "optistruct-bulk-data.fem")
+    for files, nodes in ((names[:2], 6), (names[2:], 2)):
+        upload = client.upload(*(CASES / name for name in files))["upload"]["id"]
+        assert client.get(f"uploads/{upload}/modal-data")["n_nodes"] == nodes
+
+
+@pytest.mark.parametrize(
+    ("name", "force_unit", "given", "hertz"),
+    [
+        ("type-0", "N", "m/s2", [1.0, 6.0]),
+        ("type-4", "N", "m/s2", [1.0, 6.0]),
+        ("58b-big-endian", "N", "m/s2", [1.0, 6.0]),
+        ("58b-extra-line-end", "N", "m/s2", [1.0, 6.0]),
+        ("uneven-padded", "N", "m/s2", [1.0, 1.2]),
+        ("per-lbf", "lbf", "m/s2", [1.0, 6.0]),
+        ("rad-per-s", "N", "m/s2", [0.159155, 0.95493]),
+        ("in-g", "N", "m/s2", "its responses in g, m/s2 was given"),
+        ("displacement", "N", "m/s2", "are of displacement by the file"),
+    ],
+)
+def test_frequency_responses_are_those_of_their_file(
+    client: Client, name: str, force_unit: str, given: str, hertz: Any
+) -> None:
+    upload = client.upload(CASES / f"universal-frf-{name}.unv")["upload"]["id"]
+    body = {"aircraft_id": 1, "name": name, "response_unit": given, "force_unit": force_unit}
+    response = client.request("post", f"uploads/{upload}/responses", body | {"length_unit": "m"})
+    if isinstance(hertz, str):
+        assert response.status_code == 422
+        assert hertz in response.text
+        return
+    stored = response.json()
+    assert any("type 0" in note for note in stored["notes"]) == (name == "type-0")
+    where = f"measured-responses/{stored['id']}/function"
+    found = client.get(where, params={"response_dof": "1+z", "reference_dof": "1+z"})
+    assert np.array(found["frequency_hz"])[[0, -1]] == pytest.approx(hertz, rel=1e-5)
+
+
 RATE_HZ, N_SAMPLES, AT = 50.0, 400, 100
 MAPPING = """
 [aircraft]
@@ -149,6 +338,18 @@ MANEUVER = """
 condition.airspeed = { value = 20, unit = "m/s" }
 condition.altitude = { value = 100, unit = "m" }
 condition.fuel_fraction = { value = 0 }
+"""
+CONDITION = """
+[[channels]]
+column = "V"
+name = "airspeed"
+unit = "m/s"
+role = "condition"
+[[channels]]
+column = "h"
+name = "altitude"
+unit = "m"
+role = "condition"
 """
 Table = list[list[float]]
 
@@ -254,12 +455,19 @@ def test_what_was_repaired_is_on_the_stored_record(client: Client, tmp_path: Pat
     stored = client.get(f"maneuvers/{listed['id']}")
     assert "Repaired: record.csv: row 102, 'q': a missing sample" in str(stored)
 
-    flight = MAPPING.format(part="").replace("number = 1", "number = 2")
+    lines = record.read_text().splitlines()
+    record.write_text("\n".join([f"{lines[0]},V,h", *(f"{line},20,100" for line in lines[1:])]))
+    flight = MAPPING.format(part="").replace("number = 1", "number = 2") + CONDITION
     upload = client.upload(record)["upload"]["id"]
     body = {"mapping": 'repair = ["single-nan"]\n' + flight}
     job = client.send("post", f"uploads/{upload}/import", body)
     assert client.wait_for_end(f"jobs/{job['id']}")["state"] == "succeeded"
-    assert "Repaired: record.csv: row 102" in str(client.get("flights"))
+    (stored,) = [one for one in client.get("flights")["items"] if one["number"] == 2]
+    assert "Repaired: record.csv: row 102" in stored["description"]
+
+    cut = {"label": "cut", "start_s": 1.0, "stop_s": 6.0, "note": "Calm."}
+    made = client.send("post", f"flights/{stored['id']}/maneuvers", cut)
+    assert made["note"].startswith("Calm.\nRepaired: record.csv: row 102, 'q': a missing sample")
 
 
 def lose_two(rows: Table) -> None:

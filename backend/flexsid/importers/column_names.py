@@ -106,10 +106,18 @@ Source: messages of PX4 (https://docs.px4.io/main/en/msg_docs) and log messages 
 
 _NOT_MEASURED = re.compile(
     r"(?:^|[._])(?:setpoint|sp|desired|innov\w*|ratios?|device_id|id|count|manual_control\w*"
-    r"|var(?:iances?)?|cov(?:ariances?)?)(?=[._]|$)|setpoint|innovation|test_ratio",
+    r"|var(?:iances?)?|cov(?:ariances?)?|ref(?:erence)?|target|tar|demand(?:ed)?|err(?:or)?|integ"
+    r"|sticks?|pedals?|yoke|joystick)(?=[._ ]|$)|setpoint|innovation|test_ratio",
     re.IGNORECASE,
 )
-"""Names of what an autopilot computes or receives, apart from what its sensors measure."""
+_COMPUTED = re.compile(
+    r"\.(?:Des|Nav|Err)[A-Z]\w*$|\.\w*(?:Des|Out|Err|dem)$|^(?:PID\w|[NX]KF[345]|AETR)\.|^ARSP\.H$"
+)
+"""Names of what an autopilot computes or receives, apart from what its sensors measure.
+
+``_COMPUTED`` are log messages of ArduPlane: demands, terms of controllers, innovations, outputs
+before the mixer, health.
+"""
 
 _SERVO = re.compile(
     r"pwm|(?:^|[._])(?:servo|rcou|rcin|input_rc|chan|actuator_outputs)(?=[._\d]|$)", re.IGNORECASE
@@ -169,7 +177,7 @@ def may_be_time_name(path: str) -> bool:
 
 def is_measured(path: str) -> bool:
     """Return whether a name is not that of a set-point, an innovation, an identity or the like."""
-    return _NOT_MEASURED.search(path) is None
+    return _NOT_MEASURED.search(path) is None and _COMPUTED.search(path) is None
 
 
 def is_servo(path: str) -> bool:
@@ -203,8 +211,9 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
         return Meaning(name=name, unit=usual, role=role)
     bare, named_unit = _bare(path)
     if not is_measured(path):
-        bare = path.strip().replace(".", "_")  # the last part alone is that of the measurement
-        unit = _unit(file_unit)
+        found = _IN_NAME.match(path.strip())  # the last part alone is that of the measurement
+        bare = (found["name"] if found else path.strip()).replace(".", "_")
+        unit = _unit(file_unit) or _unit(named_unit)
         return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
     if file_unit == COUNTS:
         return Meaning(name=bare, unit="1", role=Role.OUTPUT, sure=False, known=False)
@@ -261,14 +270,17 @@ def _bare(path: str) -> tuple[str, str]:
     """Return the last part of a path without its unit, and the unit."""
     found = _IN_NAME.match(path.strip())
     name, unit = (found["name"], found["unit"]) if found else (path.strip(), "")
-    return name.rpartition(".")[2], unit
+    parent, _, own = name.rpartition(".")
+    if own.isdigit() and parent:  # an element of an array, as xyz.0
+        own = f"{parent.rpartition('.')[2]}.{own}"
+    return own, unit
 
 
 def _unit(text: str) -> str:
     text = text.strip("[]() ")
     if not text:
         return ""
-    for written in (text, _SUFFIXES.get(text.lower(), "")):
+    for written in (text, _SUFFIXES.get(text.lower(), ""), text.lower()):
         if written and units.is_known(written):
             return written
     return ""

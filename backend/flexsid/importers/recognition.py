@@ -18,6 +18,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.importers.column_names import Meaning, is_measured
+from flexsid.importers.source import COUNTS
 from flexsid.records.maneuver import Role
 
 _G = 9.80665  # m/s2
@@ -80,6 +81,8 @@ _SURFACES = (
 _SURFACE_WORDS = frozenset(_SURFACES.split())
 _COMMAND_WORDS = frozenset(("cmd", "command", "commanded", "com", "dem", "demand"))
 _RECORDERS = frozenset(("imu", "ins", "egi", "ahrs", "gyro", "adc", "rate", "body", "deg", "rad"))
+_OTHER_WORDS = frozenset(("dot", "deriv", "flow", "std", "sigma", "err", "error", "bias", "lag"))
+"""Words that make another quantity of the one beside them, as in alpha_dot and fuel_flow."""
 _QUANTITIES = {word: (name, kind) for words, name, kind in _WORDS for word in words.split()}
 _ALL_WORDS = frozenset(_QUANTITIES) | _SURFACE_WORDS
 _LONG_WORDS = sorted((word for word in _ALL_WORDS if len(word) > 3), key=len, reverse=True)
@@ -320,6 +323,8 @@ def _read_words(column: Recorded) -> _Hint:
         joined = "".join(words)
         words += [word for word in _LONG_WORDS if word in joined][:1]
     dimension = _dimension(column)
+    if _OTHER_WORDS & set(words):
+        return _Hint(kind="" if dimension in ("", "number") else dimension)
     surface = bool(_SURFACE_WORDS & set(words))
     if surface and dimension in ("", "angle"):
         role = Role.COMMAND if _COMMAND_WORDS & set(words) else Role.INPUT
@@ -355,6 +360,18 @@ def _stated_unit(column: Recorded) -> str:
         if text and units.is_known(text):
             return text
     return ""
+
+
+def _read_unknown_unit(column: Recorded) -> str:
+    """Return a stated unit that is not known, which is retained and asked; empty if there is none.
+
+    What is in brackets without a fraction may be a place.
+    """
+    within = re.search(r"[\[(]([^\])]*)[\])]\s*$", column.field)
+    texts = (column.unit, within[1] if within and re.search(r"[/^]", within[1]) else "")
+    written = (text.strip() for text in texts if text != COUNTS)
+    named = (text for text in written if text and text.lower() not in _STATED)
+    return next((text for text in named if not units.is_known(text)), "")
 
 
 def _find_kinds(motion: _MovingColumns, hints: Sequence[_Hint]) -> list[_Found]:
@@ -535,7 +552,13 @@ def _name_conditions(motion: _MovingColumns, found: list[_Found], slow: Iterable
             name = "altitude"
         elif own.kind == "speed":
             name = "airspeed"
-        elif own.kind == "temperature" or (not own.kind and -70.0 < mean < 60.0):
+        elif own.kind == "temperature" or (
+            # what moves about zero is no temperature; near 0 degC the name must say it
+            not own.kind
+            and -70.0 < mean < 60.0
+            and motion.span[k] < 0.5 * abs(mean)
+            and not np.isin(values, (0.0, 1.0)).all()
+        ):
             name = "temperature"
         else:
             name = ""
@@ -701,8 +724,8 @@ def _to_meaning(column: Recorded, own: _Found) -> Meaning:
         return named
     if named.known:
         return _with_unit(column, own)
-    unit = own.unit or named.unit
     sure = own.sure or named.sure
+    unit = (not sure and _read_unknown_unit(column)) or own.unit or named.unit
     name = own.name if own.name in ("alpha", "beta", "theta", "phi", "psi", "p", "q", "r") else ""
     if own.role is Role.CONDITION:
         name = own.name

@@ -1,7 +1,7 @@
 """Text: one row per sample, delimited or in columns of fixed width, with written time stamps.
 
 Rows of text above the header, a row of units below it, a delimiter at the end of every row and
-columns of time stamps (see ``time_stamps``) are understood.
+columns of time stamps (see ``time_stamps``) are understood. Columns of text are named, not read.
 """
 
 from __future__ import annotations
@@ -90,6 +90,22 @@ _HEAD_LINES = 500
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _CLEARLY_DECIMAL = re.compile(r"[-+]?(?:0,\d+|\d+,(?:\d{1,2}|\d{4,})(?:[Ee][-+]?\d+)?)")
 """A comma of decimals; that of 1,010 may separate thousands."""
+_WORD = re.compile(r"[\W_]*[^\W\d_].*|-{0,3}")
+_WRITTEN_TIME = re.compile(
+    r"(?:\d{1,4}[-/. ](?:\d{1,2}|[a-z]{3,9})[-/. ]\d{1,4}\b,?\s*)?"
+    r"(?:\d{1,3}:){0,2}\d{1,2}:\d{2}(?:[.,]\d+)?(?:\s*[ap]m)?(?:\s+\S+)?"
+    r"|\d{1,4}(?:/\d{1,2}/|-\d{1,2}-|[-. ]?[a-z]{3,9}[-. ]?)\d{1,4}",
+    re.IGNORECASE | re.ASCII,
+)
+"""Date or time of day in a form that is not read as a time stamp."""
+_WORD = re.compile(r"[\W_]*[^\W\d_].*|-{0,3}")
+_WRITTEN_TIME = re.compile(
+    r"(?:\d{1,4}[-/. ](?:\d{1,2}|[a-z]{3,9})[-/. ]\d{1,4}\b,?\s*)?"
+    r"(?:\d{1,3}:){0,2}\d{1,2}:\d{2}(?:[.,]\d+)?(?:\s*[ap]m)?(?:\s+\S+)?"
+    r"|\d{1,4}(?:/\d{1,2}/|-\d{1,2}-|[-. ]?[a-z]{3,9}[-. ]?)\d{1,4}",
+    re.IGNORECASE | re.ASCII,
+)
+"""Date or time of day in a form that is not read as a time stamp."""
 
 
 def recognises(head: bytes) -> bool:
@@ -110,8 +126,9 @@ def read(path: Path) -> Iterator[Field]:
     encoding = _encoding(path)
     with path.open(encoding=encoding) as file:
         layout = _layout(list(islice(_filled(file), _HEAD_LINES)))
+    written: dict[int, tuple[int, str]] = {}
     with path.open(encoding=encoding) as file:
-        blocks = list(_blocks(file, layout))
+        blocks = list(_blocks(file, layout, written))
     if not blocks:
         raise UnreadableFile(
             f"row {layout.first_row}, column '{layout.names[0]}' is missing: "
@@ -119,12 +136,19 @@ def read(path: Path) -> Iterator[Field]:
             row=layout.first_row,
             column=layout.names[0],
         )
+    notes: list[str] = []
     for index, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True)):
+        if index in layout.texts:
+            row, cell = written.get(index, (0, ""))
+            what = f"a column of text (row {row}: '{cell[:40]}')" if row else "a column of no entry"
+            notes.append(f"{name}: {what}; numbers or time stamps are read")
+            continue
         samples = np.concatenate([block[:, index] for block in blocks])
         yield Field(name, samples, unit, first_row=layout.first_row)
     if layout.has_empty_cell:
-        note = "the empty cell after the last delimiter of each row, for which there is no name"
-        yield Field(NOT_READ, np.array([note]))
+        notes.append("the empty cell after the last delimiter of each row, which has no name")
+    if notes:
+        yield Field(NOT_READ, np.array(notes))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,6 +163,10 @@ class _Layout:
     decimal_comma: bool
     stamps: tuple[int, ...]
     """Indices of the columns of time stamps."""
+    texts: frozenset[int]
+    """Indices of the columns of text, in which no cell is or resembles a number."""
+    texts: frozenset[int]
+    """Indices of the columns of text, in which no cell is or resembles a number."""
     ends_delimited: bool
     has_empty_cell: bool
     """Whether rows end with a delimiter, and their header does not."""
@@ -148,7 +176,7 @@ class _Layout:
 
     def plain(self, line: str) -> str:
         """Return a row in a form that numpy reads."""
-        if self.width is None and not self.stamps and not self.decimal_comma:
+        if self.width is None and not (self.stamps or self.texts or self.decimal_comma):
             return self._strip(line)
         original = cells = self.cells(line)
         if self.decimal_comma:
@@ -157,6 +185,10 @@ class _Layout:
             seconds = parse_time_stamp(original[index]) if index < len(cells) else None
             if seconds is not None:
                 cells[index] = repr(seconds)
+        if self.texts:
+            cells = ["nan" if k in self.texts else cell for k, cell in enumerate(cells)]
+        if self.texts:
+            cells = ["nan" if k in self.texts else cell for k, cell in enumerate(cells)]
         delimiter = "," if self.width is not None else self.delimiter
         return (delimiter or " ").join(cells)
 
@@ -227,6 +259,14 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
     names = _split(header, delimiter, width)
     symbols: list[str] = []
     comma = _has_decimal_commas(lines, delimiter)
+    texts = _find_texts([_split(line, delimiter, width) for line in lines[1:]], len(names))
+    if texts and all(k in texts or _is_value(name) for k, name in enumerate(names)):
+        raise UnreadableFile(
+            f"row {row} may hold samples or names; write a row with a name of every column above "
+            "the samples.",
+            code="no-header",
+            row=row,
+        )
     if all(_is_value(_convert_decimals(name) if comma else name) for name in names):
         above = _split(comments[-1].lstrip("#% "), delimiter, None) if comments else []
         named = len(above) == len(names) and not any(map(_is_number, above))
@@ -255,9 +295,50 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         width=width,
         decimal_comma=comma,
         stamps=stamps,
+        texts=texts,
         ends_delimited=ends_delimited,
         has_empty_cell=has_empty_cell,
     )
+
+
+def _find_texts(rows: Sequence[Sequence[str]], n_columns: int) -> frozenset[int]:
+    """Return the columns of text: one number in a column makes it one of numbers, with damage.
+
+    Where no column is of numbers, none is of text: damage is reported by its row.
+    """
+    texts = {
+        index
+        for index in range(n_columns)
+        if all(index < len(cells) and _is_text(cells[index]) for cells in rows)
+    }
+    return frozenset(texts if rows and len(texts) < n_columns else ())
+
+
+def _is_text(cell: str) -> bool:
+    """Return whether a cell is empty, a word, or a date that is not read, not a damaged number."""
+    if _is_value(cell):
+        return False
+    return bool(_WORD.fullmatch(cell) or _WRITTEN_TIME.fullmatch(cell))
+
+
+def _find_texts(rows: Sequence[Sequence[str]], n_columns: int) -> frozenset[int]:
+    """Return the columns of text: one number in a column makes it one of numbers, with damage.
+
+    Where no column is of numbers, none is of text: damage is reported by its row.
+    """
+    texts = {
+        index
+        for index in range(n_columns)
+        if all(index < len(cells) and _is_text(cells[index]) for cells in rows)
+    }
+    return frozenset(texts if rows and len(texts) < n_columns else ())
+
+
+def _is_text(cell: str) -> bool:
+    """Return whether a cell is empty, a word, or a date that is not read, not a damaged number."""
+    if _is_value(cell):
+        return False
+    return bool(_WORD.fullmatch(cell) or _WRITTEN_TIME.fullmatch(cell))
 
 
 def _find_end_delimiter(lines: Sequence[str]) -> str | None:
@@ -271,9 +352,13 @@ def _find_end_delimiter(lines: Sequence[str]) -> str | None:
 
 
 def _has_decimal_commas(lines: Sequence[str], delimiter: str | None) -> bool:
-    """Return whether decimals have a comma: between semicolons, or in cells in quotes."""
+    """Return whether decimals have a comma: between semicolons or tabs, or in cells in quotes."""
     if delimiter == ";":
-        return any(map(_is_decimal_comma, _split(lines[-1], delimiter, None)))
+        return any(_is_decimal_comma(c) for line in lines for c in _split(line, ";", None))
+    if delimiter == "\t":
+        return any(
+            _CLEARLY_DECIMAL.fullmatch(c) for line in lines for c in _split(line, "\t", None)
+        )
     if delimiter != "," or '"' not in lines[-1]:
         return False
     return any(_CLEARLY_DECIMAL.fullmatch(c) for line in lines for c in _split(line, ",", None))
@@ -393,6 +478,9 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 def _check_quotes(header: str, delimiter: str | None, row: int) -> None:
     """Reject a header whose quotation marks do not enclose whole cells."""
+    cell = rf'\s*(?:"[^"]*"|[^"{delimiter}]*)\s*'
+    if delimiter is not None and re.fullmatch(rf"{cell}(?:{delimiter}{cell})*", header):
+        return
     for number, cell in enumerate(header.split(delimiter), start=1):
         name = cell.strip()
         whole = len(name) > 1 and name[0] == name[-1] == '"'
@@ -426,11 +514,58 @@ def _check_names(names: Sequence[str], row: int) -> None:
         seen[name] = number
 
 
-def _blocks(file: TextIO, layout: _Layout) -> Iterator[np.ndarray]:
-    """Read the rows in blocks: a Python text needs a multiple of the memory of its file."""
+def _blocks(
+    file: TextIO, layout: _Layout, written: dict[int, tuple[int, str]]
+) -> Iterator[np.ndarray]:
+    """Read the rows in blocks: a Python text needs a multiple of the memory of its file.
+
+    ``written`` receives row and content of the first cell of each column of text.
+    """
     lines = ((row, line) for row, line in _lines(file) if row >= layout.first_row and line.strip())
     while some := list(islice(lines, _BLOCK_LINES)):
+        for row, line in some if layout.texts else ():
+            _check_texts(row, layout.cells(line), layout, written)
+        for row, line in some if layout.texts else ():
+            _check_texts(row, layout.cells(line), layout, written)
         yield _numbers(some, layout)
+
+
+def _check_texts(
+    row: int, cells: Sequence[str], layout: _Layout, written: dict[int, tuple[int, str]]
+) -> None:
+    """Reject a number in a column that has none above, and note the first text."""
+    for index in layout.texts:
+        cell = cells[index] if index < len(cells) else ""
+        if not _is_text(cell):
+            name = layout.names[index]
+            raise UnreadableFile(
+                f"row {row}, column '{name}' holds '{cell[:40]}', and no row above it a number; "
+                "numbers are expected in all rows of a column or in none.",
+                code="not-numeric",
+                row=row,
+                column=name,
+            )
+        if cell.strip("-"):
+            written.setdefault(index, (row, cell))
+
+
+def _check_texts(
+    row: int, cells: Sequence[str], layout: _Layout, written: dict[int, tuple[int, str]]
+) -> None:
+    """Reject a number in a column that has none above, and note the first text."""
+    for index in layout.texts:
+        cell = cells[index] if index < len(cells) else ""
+        if not _is_text(cell):
+            name = layout.names[index]
+            raise UnreadableFile(
+                f"row {row}, column '{name}' holds '{cell[:40]}', and no row above it a number; "
+                "numbers are expected in all rows of a column or in none.",
+                code="not-numeric",
+                row=row,
+                column=name,
+            )
+        if cell.strip("-"):
+            written.setdefault(index, (row, cell))
 
 
 def _numbers(lines: Sequence[tuple[int, str]], layout: _Layout) -> np.ndarray:
@@ -467,6 +602,8 @@ def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) 
                 column=at,
             )
         for index, (name, cell) in enumerate(zip(names, cells, strict=True)):
+            if index in layout.texts:
+                continue
             stamped = index in layout.stamps
             number = _convert_decimals(cell) if layout.decimal_comma else cell
             if not _is_number(number) and not (stamped and parse_time_stamp(cell) is not None):

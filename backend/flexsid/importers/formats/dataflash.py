@@ -24,6 +24,9 @@ _DEFINITIONS = {"FMT", "FMTU", "MULT", "UNIT"}
 _SETTINGS = {"PARM": "parameters of the autopilot"}
 _INSTANCE = "I"
 """Column of the number of a sensor in all messages that have one."""
+_OTHER_INSTANCES = ("C", "Instance", "Inst")
+"""Columns that are such a number in some messages: where stamps repeat without it."""
+_MOST_INSTANCES = 16
 _HEADER = 3  # bytes before the fields of a message
 _NUMBERS = {
     **{"b": "i1", "B": "u1", "M": "u1", "g": "<f2", "h": "<i2", "H": "<u2", "i": "<i4"},
@@ -69,6 +72,12 @@ def read(path: Path) -> Iterator[Field]:
                 continue
             rows = content[starts[:, None] + np.arange(_HEADER, message.len)]
             yield from _message(message, np.ascontiguousarray(rows), left)
+        outside = content.size - sum(
+            message.len * int((np.array(log.offsets[number]) <= content.size - message.len).sum())
+            for number, message in log.formats.items()
+        )
+        if outside > 0:
+            left.append(f"{outside} bytes outside messages: damage, or the end was cut off")
         if left:
             yield Field(NOT_READ, np.array(left))
     finally:
@@ -104,14 +113,19 @@ def _message(message: Any, rows: np.ndarray, left: list[str]) -> Iterator[Field]
 
 
 def _find_instance(fields: dict[str, np.ndarray]) -> str | None:
-    """Return the column that separates sensors of one time stamp, if the log does not name it."""
-    own = fields.get(_INSTANCE)
-    if own is None or own.dtype.kind not in "iu" or np.unique(own).size < 2:
-        return None
-    stamps = fields[_CLOCK]
-    pairs = np.stack([stamps.astype(np.int64), own.astype(np.int64)])
+    """Return the column that separates sensors of one message, if the log does not name it."""
+    stamps = fields[_CLOCK].astype(np.int64)
     is_repeated = np.unique(stamps).size < stamps.size
-    return _INSTANCE if is_repeated and np.unique(pairs, axis=1).shape[1] == stamps.size else None
+    for name in (_INSTANCE, *_OTHER_INSTANCES):
+        own = fields.get(name)
+        if own is None or own.dtype.kind not in "iu":
+            continue
+        if not 2 <= np.unique(own).size <= _MOST_INSTANCES:
+            continue
+        pairs = np.unique(np.stack([stamps, own.astype(np.int64)]), axis=1).shape[1]
+        if pairs == stamps.size and (is_repeated or name == _INSTANCE):
+            return name
+    return None
 
 
 def _find_unit(message: Any, index: int) -> tuple[str, float]:

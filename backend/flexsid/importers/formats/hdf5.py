@@ -11,7 +11,13 @@ import numpy as np
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.result_tables import is_result, read_tables
-from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, NOT_READ, Field
+from flexsid.importers.source import (
+    LARGEST_CONTENT,
+    MOST_FIELDS,
+    NOT_READ,
+    Field,
+    read_real,
+)
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _COMPLEX_PARTS = (("r", "i"), ("real", "imag"))  # of h5py, of MATLAB
@@ -190,11 +196,20 @@ def _to_text(value: object) -> str:
 
 def _apply_conventions(item: h5py.Dataset, values: np.ndarray) -> np.ndarray:
     """Apply fill values, scale factor and offset that the attributes of a data set state."""
+    if values.dtype.kind not in "iuf":
+        return values
     fills = [number for name in _FILLS for number in _read_numbers(item, name)]
     scale, offset = (_read_numbers(item, name) for name in ("scale_factor", "add_offset"))
-    if not (fills or scale or offset) or values.dtype.kind not in "iuf":
-        return values
     is_missing = np.isin(values, fills)
+    if values.dtype.kind == "i" and _is_unsigned(item):
+        values = values.view(values.dtype.str.replace("i", "u"))
+    ends = _read_numbers(item, "valid_range")
+    low, high = _read_numbers(item, "valid_min"), _read_numbers(item, "valid_max")
+    low, high = (ends[:1], ends[1:]) if len(ends) == 2 else (low, high)
+    for least in low:
+        is_missing |= values < least
+    for most in high:
+        is_missing |= values > most
     if is_missing.any() or scale or offset:
         values = values.astype(float) * (scale[0] if scale else 1.0)
         values += offset[0] if offset else 0.0
@@ -202,9 +217,31 @@ def _apply_conventions(item: h5py.Dataset, values: np.ndarray) -> np.ndarray:
     return values
 
 
+def _is_unsigned(item: h5py.Dataset) -> bool:
+    """Return whether whole numbers of a signed type are stored ones without sign (NetCDF)."""
+    stated = item.attrs.get("_Unsigned", "")
+    return _to_text(stated).lower() == "true" or stated is np.True_
+
+
 def _read_numbers(item: h5py.Dataset, name: str) -> list[float]:
+    """Return the numbers of an attribute, also of texts.
+
+    Raises
+    ------
+    UnreadableFile
+        If a text is no number; as fill value it is never a sample.
+    """
     value = np.asarray(item.attrs.get(name, ())).reshape(-1)
-    return value.astype(float).tolist() if value.dtype.kind in "iuf" else []
+    if value.dtype.kind in "iuf":
+        return value.astype(float).tolist()
+    try:
+        return [read_real(_to_text(one).strip()) for one in value.tolist()]
+    except ValueError as error:
+        if name in _FILLS:
+            return []
+        raise UnreadableFile(
+            f"attribute '{name}' of a data set is no number ({error}).", column=item.name
+        ) from error
 
 
 def _decode(codes: np.ndarray) -> np.ndarray:

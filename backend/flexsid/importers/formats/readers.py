@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import importlib
 import importlib.util
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -150,7 +151,7 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
             f"{name} has {size / 1024**3:.1f} GB; at most {LARGEST_FILE / 1024**3:.0f} GB are read."
         )
     with path.open("rb") as file:
-        head = file.read(4096)
+        head = file.read(4096).removeprefix(codecs.BOM_UTF8)
     if selected is _TEXT and name.lower().endswith(".dat") and bulk.recognises(head):
         selected = _DECK  # a usual suffix of parts of a deck
     with report_errors(selected.package):

@@ -61,6 +61,8 @@ def read(path: Path) -> Iterator[Field]:
             for angle, samples in _convert_quaternion(parts).items():
                 yield Field(f"{name}.{angle}", samples, "rad", f"{name}.{clock}")
     left = [f"{what}: {len(held)}" for what, held in _list_others(log).items() if held]
+    if log.file_corruption:
+        left.append("damaged parts of the log, in which messages are missing")
     if _is_cut_off(path):
         left.append("the log ends within a message: what follows is missing")
     if left:

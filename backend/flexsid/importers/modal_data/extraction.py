@@ -74,6 +74,11 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
             if sources.has("mode/radians")
             else "the files hold no mode shapes"
         )
+        if any(source.name.lower().endswith((".h5", ".hdf5")) for source in sources.items):
+            problem += (
+                "; HDF5 results are read in the layout of MSC Nastran (NASTRAN/RESULT), of other "
+                "programs (NX, Simcenter Nastran) import the .op2, .f06 or .pch"
+            )
         unused = [note.rstrip(".") for note in list_unused_content(sources)]
         raise BadInput("; ".join([problem, *unused]), code="no-shapes")
     _check_solution(sources, results)

@@ -9,6 +9,7 @@ entry may be in another file of the deck.
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -324,9 +325,14 @@ def may_be_part(head: bytes) -> bool:
     return b"\0" not in head and (recognises(head) or _ENTRY.search(head) is not None)
 
 
+def read_latin(path: Path) -> str:
+    """Return the text of a file without the mark of UTF-8 that some editors write first."""
+    return path.read_bytes().removeprefix(codecs.BOM_UTF8).decode("latin-1")
+
+
 def read(path: Path) -> Iterator[Field]:
     """Read nodes, coordinate systems and edges of a deck, or of one of its parts."""
-    return read_text(path.read_text(encoding="latin-1"))
+    return read_text(read_latin(path))
 
 
 @dataclass(slots=True)
@@ -497,7 +503,7 @@ def _add_step(asked: str, value: str) -> str:
 
 def _split(line: str) -> tuple[str, list[str]]:
     """Return the first field and the data fields of a line, in free, small or large format."""
-    if "," in line:
+    if "," in line[:10]:  # further right it is that of a decimal
         parts = [part.strip() for part in line.split(",")]
         width = 4 if "*" in parts[0] else 8
         return parts[0], (parts[1:] + [""] * width)[:width]

@@ -8,6 +8,7 @@ page.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -193,6 +194,14 @@ _SUPERELEMENT = re.compile(r"^0.*\bSUPERELEMENT\s+(\d+)")
 _REPEATED_SHAPE = 1e-6
 _MASS = "O U T P U T   F R O M   G R I D   P O I N T   W E I G H T   G E N E R A T O R"
 _REFERENCE = re.compile(r"REFERENCE POINT =\s*(\d+)")
+_SPACED = re.compile(r"^.?\s*((?:\S )+\S(?!\S)(?:\s{2,}(?:\S )+\S(?!\S))*)")
+_LETTERS = re.compile(r"(?:[A-Z] ){4}[A-Z]")
+_COMPLEX_TABLE = "COMPLEX EIGENVALUE SUMMARY"
+_OTHER_RESULTS = re.compile(
+    r"(?<!EIGEN)VECTOR|DISPLACEMENT|FORCE|STRESS|STRAIN|ENERG|LOAD|MOMENT|RESULTANT|DERIVATIVE"
+    rf"|EFFECTIVE|PARTICIPATION|FLUX|PRESSURE|{_COMPLEX_TABLE}"
+)
+"""Words in the headings of results that are not read; echoes and messages have none of them."""
 _LABEL = 64  # characters of a subtitle; the page number may follow
 _SIZE = 6  # of the mass matrix of a rigid body
 
@@ -273,6 +282,7 @@ class _Printout:
         self._largest: list[list[float]] = []
         self._flutter = FlutterPages()
         self._refused: list[str] = []
+        self._others: Counter[str] = Counter()  # pages of other results
 
     def take(self, line: str) -> None:
         """Read a line: a heading, or a row of a table."""
@@ -309,6 +319,9 @@ class _Printout:
             self._take = self._row_of_mass
         elif "MAXIMUM  DISPLACEMENTS" in line:
             self._take = self._row_of_largest
+        elif (other := _find_other_results(line)) != "":
+            self._others[other] += 1
+            self._take = self._nothing
         elif line[:1] == "1":  # a new page
             self._end_page()
             self._take = self._nothing
@@ -514,6 +527,11 @@ class _Printout:
                     notes.append(f"modes {added[0]} to {added[-1]} are residual vectors, not modes")
             else:
                 notes.append(f"a further table of {len(table.rows)} eigenvalues")
+        if any(case.is_complex for case in cases) or not self._flutter.is_empty:
+            self._others.pop(_COMPLEX_TABLE, None)  # its roots are those of the shapes
+        for title, count in self._others.items():
+            pages = "a page" if count == 1 else f"{count} pages"
+            notes.append(f"{pages} of other results: {title.lower()}")
         masses = self._complete_masses()
         if any(other != masses[0] for other in masses[1:]):
             notes.append(
@@ -550,6 +568,15 @@ class _Printout:
             yield Field("rigid/mass", np.array(found.rows))
             yield Field("rigid/reference", np.array([found.reference]))
         yield from self._flutter.fields()
+
+
+def _find_other_results(line: str) -> str:
+    """Return the title of results that are not read, of letters with blanks; empty if none."""
+    if _LETTERS.search(line) is None or (spaced := _SPACED.match(line)) is None:
+        return ""
+    words = re.split(r"\s{2,}", spaced[1])
+    title = " ".join(word.replace(" ", "") for word in words)
+    return title if _OTHER_RESULTS.search(title) else ""
 
 
 def _read_eigenvalue(line: str) -> complex | None:

@@ -44,7 +44,7 @@ def recognises(head: bytes) -> bool:
 
 def read(path: Path) -> Iterator[Field]:
     """Read punched eigenvectors and bulk data."""
-    text = path.read_text(encoding="latin-1")
+    text = bulk.read_latin(path)
     punched = _Punched()
     for number, line in enumerate(text.splitlines(), start=1):
         try:
@@ -155,6 +155,8 @@ class _Punched:
 
     def _begin_row(self, head: str, parts: list[str]) -> None:
         if self._table is None and self._point is None:
+            if self._is_read:
+                self._note("displacements without the eigenvalue of a mode")
             return
         first = _read_three(parts)
         if self._table is not None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -33,6 +34,11 @@ FUNCTION_TYPES = {
     21: "partial coherences", 25: "impulse responses", 26: "multiple coherences",
 }  # fmt: skip
 """Data set 58, record 6, field 1."""
+_PARTS = {
+    "real": re.compile(r"(?<![a-z])(?:real(?:teil)?|re|r[eé]el(?:le)?)(?![a-zé])", re.IGNORECASE),
+    "imaginary": re.compile(r"(?<![a-z])(?:im|imag\w*)(?![a-z])", re.IGNORECASE),
+}
+"""Words for the part of a complex function that a real one is."""
 _DOUBLE = (4, 6)
 _COMPLEX = (5, 6)
 _IEEE = 2
@@ -95,6 +101,8 @@ class Function:
     """A measured function; ``codes`` are the numbers of its points, directions and quantities.
 
     Frequencies of frequency responses are in Hz. ``note`` is what is assumed of the function.
+    ``part`` is that of a frequency response (real or imaginary) which its texts name, ``hertz``
+    are the frequencies of such a part.
     """
 
     name: str
@@ -105,6 +113,8 @@ class Function:
     abscissa: np.ndarray
     values: np.ndarray
     note: str = ""
+    part: str = ""
+    hertz: np.ndarray | None = None
 
     @property
     def is_response(self) -> bool:
@@ -125,7 +135,7 @@ def iterate_data_sets(path: Path) -> Iterator[Block]:
         inside, row = False, 0
         while raw := file.readline():
             row += 1
-            text = _decode(raw).rstrip("\r\n")
+            text = _decode(raw.removeprefix(codecs.BOM_UTF8) if row == 1 else raw).rstrip("\r\n")
             if text.strip() == "-1" and len(text.rstrip()) <= 8:
                 if block is not None:
                     yield block
@@ -207,13 +217,17 @@ def read_function(block: Block) -> Function:
     abscissa = start + step * np.arange(n_points) if even else table[:, 0].copy()
     values = table[:, -2] + 1j * table[:, -1] if is_complex else table[:, -1].copy()
     names = (head[5][30:41].strip(), head[8][25:46].strip(), head[0].strip())
-    kind, abscissa_code = integer(5, 0, 5), integer(7, 0, 10)
-    note = ""
-    if kind == _GENERAL and is_complex and _is_response(abscissa_code, codes):
+    kind, axis = integer(5, 0, 5), (integer(7, 0, 10), _label(head[7]))
+    note, part, hertz = "", "", None
+    of_response = kind == _GENERAL and _is_response(axis[0], codes)
+    if of_response and is_complex:
         kind = _FREQUENCY_RESPONSE
         note = "general functions (type 0) of response over force are read as frequency responses"
     if kind == _FREQUENCY_RESPONSE and is_complex:
-        abscissa = _to_hertz(abscissa, abscissa_code, _label(head[7]))
+        abscissa = _to_hertz(abscissa, *axis)
+    elif of_response or kind == _FREQUENCY_RESPONSE:
+        part = _find_part([*head[:5], head[5][30:41], head[8][25:]])
+        hertz = _to_hertz(abscissa, *axis) if part else None
     return Function(
         name=next((name for name in names if name not in ("", "NONE")), ""),
         unit=_label(head[8]),
@@ -223,7 +237,46 @@ def read_function(block: Block) -> Function:
         abscissa=abscissa,
         values=values,
         note=note,
+        part=part,
+        hertz=hertz,
     )
+
+
+def join_parts(functions: Sequence[Function]) -> list[Function]:
+    """Join real and imaginary parts that are functions of their own to complex ones.
+
+    Parts belong together if their points, directions, quantities, units and frequencies are the
+    same, and there is one of each; others stay as they are.
+    """
+    pairs: dict[object, dict[str, list[int]]] = {}
+    for place, one in enumerate(functions):
+        if one.part:
+            key = (*one.codes.items(), one.unit, one.reference_unit, one.abscissa.tobytes())
+            pairs.setdefault(key, {}).setdefault(one.part, []).append(place)
+    joined: dict[int, Function | None] = {}
+    for parts in pairs.values():
+        if [len(parts.get(part, ())) for part in _PARTS] != [1, 1]:
+            continue
+        real, imaginary = (parts[part][0] for part in _PARTS)
+        first = functions[real]
+        if first.hertz is None:
+            continue
+        joined[imaginary] = None
+        joined[real] = replace(
+            first,
+            kind=_FREQUENCY_RESPONSE,
+            abscissa=first.hertz,
+            values=first.values + 1j * functions[imaginary].values,
+            note="real and imaginary parts in functions of their own are joined",
+        )
+    found = [joined.get(place, one) for place, one in enumerate(functions)]
+    return [one for one in found if one is not None]
+
+
+def _find_part(texts: Sequence[str]) -> str:
+    """Return the part that texts name; empty if they name none, or both."""
+    found = [part for part, words in _PARTS.items() if any(map(words.search, texts))]
+    return found[0] if len(found) == 1 else ""
 
 
 def _label(line: str) -> str:

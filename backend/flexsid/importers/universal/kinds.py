@@ -19,6 +19,7 @@ from flexsid.importers.universal.blocks import (
     Block,
     Function,
     UnusableDataSet,
+    join_parts,
     read_function,
 )
 
@@ -412,7 +413,8 @@ def _line_fields(found: FoundKind) -> Iterator[Field]:
 def _function_fields(found: FoundKind) -> Iterator[Field]:
     responses: dict[bytes, list[Function]] = {}
     taken: set[str] = set()
-    for number, function in enumerate(found.functions, start=1):
+    functions = join_parts(found.functions)
+    for number, function in enumerate(functions, start=1):
         if function.is_response:
             key = np.round(function.abscissa, 9).tobytes()
             responses.setdefault(key, []).append(function)
@@ -445,7 +447,7 @@ def _function_fields(found: FoundKind) -> Iterator[Field]:
         references = np.array([function.reference_unit for function in best])
         yield Field("frf/reference_unit", references)
         found.refused += dict.fromkeys(function.note for function in best if function.note)
-        others = Counter(f.kind for f in found.functions if not f.is_response)
+        others = Counter(f.kind for f in functions if not f.is_response)
         found.refused += [
             f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are not "
             "complex frequency responses"

@@ -39,6 +39,7 @@ from flexsid.workflow.aircraft.flight_condition import (
     compute_airspeed_ratio,
 )
 from flexsid.workflow.importing.flight_import import build_excitation, correlate_inputs
+from flexsid.workflow.importing.parsed_files import add_repairs, list_repairs
 from flexsid.workflow.measurements.maneuver_spectra import add_shared_corrections
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
@@ -197,7 +198,7 @@ def store_cut(
                 max_input_correlation=correlate_inputs(aircraft, axis, excitation, inputs),
                 source_file=first.source_file,
                 source_hash=first.source_hash,
-                note=cut.note,
+                note=add_repairs(cut.note, list_repairs(flight.description)),
             )
         )
         rows = [describe_array(samples, channel.unit) for channel, samples in pieces]

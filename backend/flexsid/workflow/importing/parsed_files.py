@@ -78,10 +78,16 @@ def parse_upload(sources: Sources, mapping: mappings.MappingFile) -> ParsedUploa
 
 def add_repairs(note: str, repairs: Sequence[str]) -> str:
     """Return the note of a record with what its import changed in it."""
-    lines = [f"Repaired: {text}" for text in repairs[:_MOST_REPAIRS]]
+    lines = [f"{_REPAIRED}{text}" for text in repairs[:_MOST_REPAIRS]]
     if len(repairs) > _MOST_REPAIRS:
-        lines.append(f"Repaired: {len(repairs) - _MOST_REPAIRS} further places.")
+        lines.append(f"{_REPAIRED}{len(repairs) - _MOST_REPAIRS} further places.")
     return "\n".join([*([note] if note else []), *lines])
+
+
+def list_repairs(note: str) -> tuple[str, ...]:
+    """Return what ``add_repairs`` has written to the note of a record."""
+    lines = [line for line in note.splitlines() if line.startswith(_REPAIRED)]
+    return tuple(line.removeprefix(_REPAIRED) for line in lines)
 
 
 def _check_rates(channels: Sequence[RawChannel]) -> None:
@@ -101,6 +107,7 @@ def _check_rates(channels: Sequence[RawChannel]) -> None:
 
 
 _EARLIEST_DATE_S, _LATEST_DATE_S = 3.1e8, 4.1e9  # 1979 to 2099, in seconds since 1970
+_REPAIRED = "Repaired: "
 _MOST_REPAIRS = 50  # named in the note of a record
 _SHOWN: dict[str, tuple[str, ...]] = {
     "angle": ("deg", "rad"),
