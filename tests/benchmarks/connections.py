@@ -11,42 +11,49 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import selectors
 import socket
 import statistics
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 for _folder in ("servers", "aircraft"):
     sys.path.insert(0, str(Path(__file__).parents[1] / _folder))
 
-from rigid_record import simulate_doublet, write_record  # noqa: E402
-from shipped import PASSWORD, Client, Server, ask_command, invite, serving, set_password  # noqa: E402
+from rigid_record import simulate_doublet, write_record
+from shipped import PASSWORD, Client, Server, ask_command, invite, serving, set_password
 
 HALF, UPLOADS, STREAMS = 2000, 50, 1000
 VOTES, LOGINS = 300, 60
 VOTE_S, LOGIN_S = 1.0, 2.0  # the bars: 99 % of votes, and every log-in
 HEAD = "{} HTTP/1.1\r\nHost: localhost\r\nSec-Fetch-Site: same-origin\r\n"
 BODY = HEAD + "Content-Type: application/json\r\nContent-Length: 1000\r\n\r\n{{"
-HALVES = tuple(
-    BODY.format(f"{method} /api/v1{path}")
-    for method, path in (
-        ("POST", "/notes"),
-        ("POST", "/session"),
-        ("POST", "/decisions/1/votes"),
-        ("PUT", "/aircraft/1"),
-        ("DELETE", "/session"),
-    )
-) + ("GET /api/v1/runs HTTP/1.1\r\nHost: loc",)
+HALVES = [
+    *(
+        BODY.format(f"{method} /api/v1{path}")
+        for method, path in (
+            ("POST", "/notes"),
+            ("POST", "/session"),
+            ("POST", "/decisions/1/votes"),
+            ("PUT", "/aircraft/1"),
+            ("DELETE", "/session"),
+        )
+    ),
+    "GET /api/v1/runs HTTP/1.1\r\nHost: loc",
+]
 
 
 class Crowd:
-    """Connections that are renewed when the server closes them; those of uploads send on."""
+    """Connections that are renewed when the server closes them; those of uploads send on.
+
+    They are those of a process, so that what is measured does not wait for its interpreter.
+    """
 
     def __init__(self, port: int, cookie: str) -> None:
         self._port = port
@@ -67,10 +74,11 @@ class Crowd:
         connection.setblocking(False)
         self._selector.register(connection, selectors.EVENT_READ, text)
 
-    def run(self, stop: threading.Event) -> None:
-        """Read what arrives, and send a little of each upload every second."""
+    def run(self, pipe: Connection) -> None:
+        """Read what arrives, and send a little of each upload every second, until told to stop."""
+        pipe.send(0)
         at = time.monotonic()
-        while not stop.is_set():
+        while not pipe.poll():
             for key, _ in self._selector.select(0.1):
                 with suppress(OSError):
                     if key.fileobj.recv(65536):  # type: ignore[union-attr]
@@ -87,18 +95,26 @@ class Crowd:
                             key.fileobj.send(b"1,2,3\n" * 200)  # type: ignore[union-attr]
 
 
+def _crowd(port: int, cookie: str, pipe: Connection) -> None:
+    crowd = Crowd(port, cookie)
+    crowd.run(pipe)
+    pipe.send(crowd.n_renewed)
+
+
 @contextmanager
-def crowding(server: Server, client: Client) -> Iterator[Crowd]:
-    """Hold the connections open during the body."""
+def crowding(server: Server, client: Client) -> Iterator[list[int]]:
+    """Hold the connections open during the body; yield where their number of renewals will be."""
     cookie = "; ".join(f"{name}={value}" for name, value in client.http.cookies.items())
-    crowd, stop = Crowd(server.port, cookie), threading.Event()
-    thread = threading.Thread(target=crowd.run, args=(stop,))
-    thread.start()
+    pipe, other = multiprocessing.Pipe()
+    process = multiprocessing.Process(target=_crowd, args=(server.port, cookie, other))
+    process.start()
+    renewed = [pipe.recv()]
     try:
-        yield crowd
+        yield renewed
     finally:
-        stop.set()
-        thread.join()
+        pipe.send(None)
+        renewed[0] = pipe.recv()
+        process.join()
 
 
 def propose(cid: Client) -> int:
@@ -116,7 +132,9 @@ def propose(cid: Client) -> int:
     return cid.send("post", "decisions", proposal)["id"]
 
 
-def measure(server: Server, ben: Client, decision: int, votes: int, logins: int) -> dict:
+def measure(
+    server: Server, ben: Client, decision: int, votes: int, logins: int
+) -> dict[str, list[float]]:
     """Time votes and, between them, log-ins. [s]"""
     vote = {"revision": 1, "vote": "approve", "text": "agreed", "despite": "known"}
     times: dict[str, list[float]] = {"vote": [], "login": []}
@@ -159,7 +177,7 @@ def main() -> None:
             cid, ben = server.log_in("Cid"), server.log_in("Ben")
             decision = propose(cid)
             idle = measure(server, ben, decision, VOTES // 5, LOGINS // 5)
-            with crowding(server, cid) as crowd:
+            with crowding(server, cid) as renewed:
                 found = measure(server, ben, decision, VOTES, LOGINS)
                 ready = ben.request("get", "health/ready").status_code
     result = {
@@ -170,7 +188,7 @@ def main() -> None:
         "idle_vote_p99_s": find_percentile(idle["vote"], 0.99),
         "idle_login_max_s": max(idle["login"]),
         "connections": HALF + UPLOADS + STREAMS,
-        "renewed": crowd.n_renewed,
+        "renewed": renewed[0],
         "ready": ready,
     }
     print(json.dumps({k: round(v, 3) if isinstance(v, float) else v for k, v in result.items()}))

@@ -222,6 +222,7 @@ def create_app(
         duty = DispatcherSettings(
             *(settings.database, load_kinds, settings.dask, settings.workers),
             url=settings.public_url,
+            notifications=settings.notifications,
         )
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
