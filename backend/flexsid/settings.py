@@ -53,6 +53,7 @@ class Settings:
     flights are in chunks at the address ``recordings`` (None: in the database). The content of
     uploaded files is at most ``expansion`` times as large as they are. Uploads that are not
     imported take ``account_upload_gigabytes`` of an account, and ``upload_gigabytes`` in all.
+    The file ``notifications`` has the mail server and web hook of messages to accounts.
     """
 
     database: str = DEFAULT_DATABASE
@@ -78,6 +79,7 @@ class Settings:
     expansion: int = _EXPANSION
     account_upload_gigabytes: float = _ACCOUNT_UPLOAD_GIGABYTES
     upload_gigabytes: float = _UPLOAD_GIGABYTES
+    notifications: Path | None = None
 
     @property
     def public_url(self) -> str:
@@ -145,6 +147,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         upload_gigabytes=_read_gigabytes(
             environment, "FLEXSID_UPLOAD_GIGABYTES", _UPLOAD_GIGABYTES
         ),
+        notifications=Path(file) if (file := environment.get("FLEXSID_NOTIFICATIONS")) else None,
     )
     _check_access(settings)
     return settings
@@ -162,6 +165,11 @@ def _check_access(settings: Settings) -> None:
         raise BadInput(
             f"FLEXSID_URL is {settings.url}, but personal mode has no log-in: whoever reaches this "
             "address could use the server; set FLEXSID_MODE to team or organisation"
+        )
+    if settings.mode is Mode.PERSONAL and settings.notifications is not None:
+        raise BadInput(
+            "FLEXSID_NOTIFICATIONS needs accounts, to whom messages are sent; set FLEXSID_MODE to "
+            "team or organisation"
         )
     if not ip_address(settings.address).is_loopback and not settings.is_secure:
         raise BadInput(

@@ -5,27 +5,37 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import psycopg
 import pytest
 from shipped import Server, ask_command, run_command, serving
+from tests.shipped.test_team import set_schema
 from waiting import wait_until
 
 WRITERS = 4
-BOTH = pytest.mark.parametrize(
-    "backend", ["sqlite", pytest.param("postgresql", marks=pytest.mark.long)]
+MATRIX = pytest.mark.parametrize(
+    ("backend", "n_servers", "n_notes"),
+    [
+        ("sqlite", 1, 20),
+        *(
+            pytest.param(backend, n_servers, 350, marks=pytest.mark.long)
+            for backend in ("sqlite", "postgresql")
+            for n_servers in (1, 2)
+        ),
+    ],
 )
+"""Notes are written before, beside and after: a thousand in all."""
 
 
 class Notes:
     """Analysts who write notes until they are stopped, and what was acknowledged."""
 
-    def __init__(self, server: Server) -> None:
+    def __init__(self, servers: list[Server]) -> None:
         self.acknowledged: list[tuple[int, str]] = []
         self.others: set[tuple[int, str]] = set()
-        self._server = server
+        self._servers = servers
         self._stop = threading.Event()
 
     @contextmanager
@@ -47,7 +57,8 @@ class Notes:
         wait_until(lambda: len(self.acknowledged) >= total, f"{total} notes")
 
     def _write(self, writer: int) -> None:
-        client = self._server.connect(headers={"X-Flexsid-Analyst": "Ann"})
+        server = self._servers[writer % len(self._servers)]
+        client = server.connect(headers={"X-Flexsid-Analyst": "Ann"})
         number = 0
         while not self._stop.is_set():
             number += 1
@@ -59,26 +70,59 @@ class Notes:
                 self.others.add((response.status_code, response.json()["code"]))
 
 
-@BOTH
-def test_no_note_is_lost_by_a_restore(flown_url: str, tmp_path: Path) -> None:
+@contextmanager
+def starting(folder: Path, url: str, n_servers: int) -> Iterator[Notes]:
+    """Start servers on a database, and connect analysts to them in turn."""
+    with ExitStack() as stack:
+        servers = []
+        for number in range(n_servers):
+            own = folder / f"server-{number}"
+            own.mkdir()
+            servers.append(stack.enter_context(serving(own, url)))
+        yield Notes(servers)
+
+
+@MATRIX
+def test_no_note_is_lost_by_a_restore(
+    flown_url: str, n_servers: int, n_notes: int, tmp_path: Path
+) -> None:
     copy = tmp_path / "copy.db"
-    with serving(tmp_path, flown_url) as server:
-        notes = Notes(server)
-        with notes.writing():
-            notes.wait_for(20)
-            ask_command(tmp_path, flown_url, "backup", str(copy))
-            notes.wait_for(20)
-            restored = ask_command(tmp_path, flown_url, "restore", str(copy))
-            notes.wait_for(20)
-    before = f"sqlite:///{restored['before']}"
-    previous, present = _read_notes(before), _read_notes(flown_url)
-    lost = [one for one in notes.acknowledged if one not in previous | present]
+    with starting(tmp_path, flown_url, n_servers) as notes, notes.writing():
+        notes.wait_for(n_notes)
+        ask_command(tmp_path, flown_url, "backup", str(copy))
+        notes.wait_for(n_notes)
+        restored = ask_command(tmp_path, flown_url, "restore", str(copy))
+        notes.wait_for(n_notes)
+    check_notes(tmp_path, notes, flown_url, f"sqlite:///{restored['before']}")
+
+
+@MATRIX
+def test_no_note_is_lost_by_an_upgrade(
+    flown_url: str, n_servers: int, n_notes: int, tmp_path: Path
+) -> None:
+    with starting(tmp_path, flown_url, n_servers) as notes, notes.writing():
+        notes.wait_for(n_notes)
+        set_schema(flown_url, "0050")  # which differs in a table of other records
+        notes.wait_for(n_notes)
+        upgraded = ask_command(tmp_path, flown_url, "migrate")
+        assert upgraded["schema"] > "0050"
+        notes.wait_for(n_notes)
+    check_notes(tmp_path, notes, flown_url)
+
+
+def check_notes(folder: Path, notes: Notes, *urls: str) -> None:
+    """Every acknowledged note is in one of the databases, once, with an id of its own."""
+    found = [_read_notes(url) for url in urls]
+    lost = [one for one in notes.acknowledged if one not in set().union(*found)]
     assert lost == []
+    for stored in found:
+        texts = [text for _, text in stored]
+        assert len(set(texts)) == len(texts), "a note is stored twice"
     ids = [number for number, _ in notes.acknowledged]
     assert len(set(ids)) == len(ids), "an id was given twice"
     assert notes.others <= {(503, "database-unavailable")}
-    for url in (before, flown_url):
-        checked = run_command(tmp_path, url, "check")
+    for url in urls:
+        checked = run_command(folder, url, "check")
         assert checked.returncode == 0, checked.stdout
 
 

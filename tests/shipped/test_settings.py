@@ -18,6 +18,8 @@ ORGANISATION = {"FLEXSID_MODE": "organisation", "FLEXSID_PROXIES": "127.0.0.1"}
         ({**ORGANISATION, "FLEXSID_PROXY_SECRET": "a" * 64}, "different characters"),
         ({"FLEXSID_MODE": "team", "FLEXSID_PROXIES": "0.0.0.0/0"}, "nearly any client"),
         ({"FLEXSID_MODE": "team", "FLEXSID_PROXIES": "::/0"}, "nearly any client"),
+        ({"FLEXSID_NOTIFICATIONS": "/nowhere"}, "needs accounts"),
+        ({"FLEXSID_REPORT_TEMPLATE": "/nowhere"}, "the report template /nowhere cannot be read"),
     ],
 )
 def test_settings_that_would_publish_data_are_refused(
@@ -27,4 +29,5 @@ def test_settings_that_would_publish_data_are_refused(
     assert done.returncode == 2, done.stderr
     assert named in done.stderr
     assert "secret" not in done.stderr.replace("FLEXSID_PROXY_SECRET", "")
+    assert "Traceback" not in done.stderr
     assert not (tmp_path / "new.db").exists()

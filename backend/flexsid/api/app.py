@@ -61,6 +61,7 @@ from flexsid.reports import read_template
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import GIGABYTE, Quotas
 from flexsid.storage.copies.backup import find_file
+from flexsid.storage.jobs import leases
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
@@ -216,10 +217,12 @@ def create_app(
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)
+        leases.announce(store, settings.public_url)
         live = LiveEvents(store, lambda: operations.check_parts(app.state.context))
         duty = DispatcherSettings(
             *(settings.database, load_kinds, settings.dask, settings.workers),
             url=settings.public_url,
+            notifications=settings.notifications,
         )
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()

@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.responses import HTMLResponse
 
+from flexsid.api.permissions import PERMISSIONS
 from flexsid.api.request_examples import BODIES, FIELDS, PARAMETERS
 
 # --- Examples of responses, made from the schemas of the OpenAPI description ----------------------
@@ -162,7 +163,7 @@ _TEXTS = {
 
 
 def add_examples(app: FastAPI) -> None:
-    """Add error responses and examples to the OpenAPI description, once, on first use."""
+    """Add error responses, permissions and examples to the description, once, on first use."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -180,6 +181,7 @@ def add_examples(app: FastAPI) -> None:
                 component["title"] = name.strip("_")
             for methods in schema["paths"].values():
                 for operation in methods.values():
+                    operation["x-permission"] = PERMISSIONS[operation["operationId"]].value
                     _add_request_examples(operation)
                     _add_response_examples(operation, components)
             app.openapi_schema = schema

@@ -11,7 +11,7 @@ import logging
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, replace
 
-from anyio import to_thread
+from anyio import CapacityLimiter, to_thread
 
 from flexsid.errors import FlexsidError
 from flexsid.records.job import JobEvent
@@ -43,6 +43,16 @@ class JobUpdate:
     streams: frozenset[int] = frozenset()
     changed: frozenset[tuple[str, int | None]] = frozenset()
 
+    def extend(self, later: JobUpdate) -> JobUpdate:
+        """Return this update and a later one as one."""
+        return JobUpdate(
+            [*self.events, *later.events],
+            self.running if later.running is None else later.running,
+            self.missed or later.missed,
+            self.streams | later.streams,
+            self.changed | later.changed,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class _LastRead:
@@ -65,6 +75,8 @@ class LiveEvents:
     """
 
     def __init__(self, store: Store, check_health: Callable[[], object] = lambda: None) -> None:
+        # A thousand pages that look up what they may show would occupy all threads of requests.
+        self.limiter = CapacityLimiter(1)
         self._store = store
         self._check_health = check_health
         self._listeners: set[asyncio.Queue[JobUpdate | None]] = set()
@@ -109,13 +121,16 @@ class LiveEvents:
                 if first is None:
                     return
                 known = await to_thread.run_sync(
-                    job_log.read_since, self._store, after, _MAX_EVENTS
+                    job_log.read_since, self._store, after, _MAX_EVENTS, limiter=self.limiter
                 )
                 last = known[-1].id if known else after
                 missed = len(known) == _MAX_EVENTS
                 yield replace(first, events=known, missed=missed)
             while not self._stopped:
                 update = await updates.get()
+                while update is not None and not updates.empty():  # it came during the last one
+                    later = updates.get_nowait()
+                    update = None if later is None else update.extend(later)
                 if update is None:
                     return
                 events = [event for event in update.events if last is None or event.id > last]

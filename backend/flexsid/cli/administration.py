@@ -293,8 +293,7 @@ def _describe_invitation(
     store: Store, settings: Settings, account: Account, code: str
 ) -> tuple[list[str], object]:
     # A server that runs knows its address; this command may have other settings.
-    running = (leases.status(store) or {}).get("url")
-    url = settings.url or running or settings.public_url
+    url = settings.url or leases.find_address(store) or settings.public_url
     # In the fragment, which browsers do not send, so that no log contains it.
     link = f"{url}/invitation#{code}"
     lines = [

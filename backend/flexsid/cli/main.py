@@ -63,8 +63,8 @@ def _call(action: Callable[[], int], *, as_json: bool) -> int:
     except FlexsidError as error:
         print_error(error.message, error.code, as_json=as_json)
         return 2 if isinstance(error, BadInput) else 1
-    except SystemExit:  # of --help and --version
-        return 0
+    except SystemExit as end:  # of --help and --version, and of a server that cannot start
+        return end.code if isinstance(end.code, int) else 0
     except KeyboardInterrupt:
         return 130
 

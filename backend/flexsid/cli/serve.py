@@ -28,6 +28,8 @@ from flexsid.importers.formats.readers import load_formats
 from flexsid.jobs.cluster import write_cluster_certificate
 from flexsid.jobs.health import PartHealth
 from flexsid.jobs.messages import configure_interpreter, loading
+from flexsid.jobs.notifier import read_channels
+from flexsid.reports import read_template
 from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -67,6 +69,7 @@ class _Server(uvicorn.Server):
 def serve(settings: Settings, arguments: argparse.Namespace) -> int:
     """Serve until stopped by a signal."""
     _load_extensions()
+    _check_files(settings)
     with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)  # refuses an invalid database before the server starts
         return _serve_on(port, settings, arguments.json)
@@ -78,6 +81,7 @@ def demo(settings: Settings, arguments: argparse.Namespace) -> int:
         _fill(settings, arguments.json, unsteady=arguments.unsteady)
         return 0
     _load_extensions()
+    _check_files(settings)
     campaign_process = CampaignProcess(
         settings.database, _report_progress, unsteady=arguments.unsteady
     )
@@ -96,6 +100,14 @@ def _load_extensions() -> None:
     load_receivers()
     load_estimators()
     load_simulated()
+
+
+def _check_files(settings: Settings) -> None:
+    """Refuse files that would fail the first report or message."""
+    if settings.report_template is not None:
+        read_template(settings.report_template)
+    if settings.notifications is not None:
+        read_channels(settings.notifications)
 
 
 def _serve_on(

@@ -77,6 +77,8 @@ class Dispatcher:
         Time without renewal after which a server loses the lease. [s]
     url
         Address of the server in a browser.
+    get_failure
+        Returns why messages could not be sent, or ""; None if none are sent.
     """
 
     def __init__(
@@ -87,8 +89,10 @@ class Dispatcher:
         on_change: Callable[[], None] = lambda: None,
         lease_timeout_s: float = LEASE_TIMEOUT_S,
         url: str | None = None,
+        get_failure: Callable[[], str] | None = None,
     ) -> None:
         self._store = store
+        self._get_failure = get_failure
         self._kinds = kinds
         self._workers = workers
         self._on_change = on_change
@@ -102,6 +106,11 @@ class Dispatcher:
         self._messages: deque[tuple[Key, WorkerMessage]] = deque()
         self._checked = 0.0
         self._interrupted = False
+
+    @property
+    def is_leading(self) -> bool:
+        """Whether this server has the lease."""
+        return self._leadership.epoch is not None and not self._stopping.is_set()
 
     def start(self) -> None:
         """Start; jobs are dispatched once this server has the lease."""
@@ -140,6 +149,7 @@ class Dispatcher:
             "running": sorted(job_id for job_id, _ in self._workers.keys),
             "without_workers_s": round(self._workers.absent_s, 1),
             "valid_until": None if valid_until is None else valid_until.isoformat(),
+            "unsent": None if self._get_failure is None else self._get_failure(),
         }
 
     def _run(self) -> None:

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -23,6 +24,7 @@ from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.local import LocalWorkers, Workers
 from flexsid.jobs.messages import configure_interpreter
+from flexsid.jobs.notifier import Notifier, read_channels
 from flexsid.jobs.worker import LoadKinds
 from flexsid.storage.store import Store
 
@@ -38,7 +40,8 @@ _WAKE = signal.SIGUSR1
 class DispatcherSettings:
     """Database, kinds of jobs and workers of a dispatcher (see ``make_workers``).
 
-    ``url`` is the address of its server in a browser.
+    ``url`` is the address of its server in a browser; the file ``notifications`` states where
+    messages are sent (None: nowhere).
     """
 
     database: str
@@ -46,6 +49,7 @@ class DispatcherSettings:
     dask: str | None = None
     workers: int | None = None
     url: str | None = None
+    notifications: Path | None = None
 
 
 class DispatcherProcess:
@@ -177,16 +181,27 @@ def main(arguments: list[str]) -> None:
     except FlexsidError as error:
         _log.warning("the dispatcher cannot start: %s", error.message)
         sys.exit(1)
+    notifier = None
+    if settings.notifications is not None:
+        channels = read_channels(settings.notifications)
+        notifier = Notifier(store, channels, settings.url or "", lambda: dispatcher.is_leading)
     dispatcher = Dispatcher(
-        *(store, kinds, workers), on_change=lambda: _notify(connection), url=settings.url
+        *(store, kinds, workers),
+        on_change=lambda: _notify(connection),
+        url=settings.url,
+        get_failure=None if notifier is None else lambda: notifier.failure,
     )
     configure_interpreter()
     signal.signal(_WAKE, lambda number, frame: dispatcher.wake())
     _notify(connection)
     dispatcher.start()
+    if notifier is not None:
+        notifier.start()
     try:
         os.read(lifeline, 1)
     finally:
+        if notifier is not None:
+            notifier.stop()
         dispatcher.stop()
         store.close()
 

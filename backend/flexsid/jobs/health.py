@@ -220,6 +220,16 @@ class QueueHealth:
             state = PartState.DEGRADED
         return PartHealth("certificate", state, text)
 
+    def check_notifications(self) -> PartHealth | None:
+        """Return whether messages could be sent; None where none are sent."""
+        unsent = (leases.status(self._store) or {}).get("unsent")
+        if unsent is None:
+            return None
+        if not unsent:
+            return PartHealth("notifications", PartState.OK, "No message was refused.")
+        text = f"Not sent {unsent}. The log of the server has more; check FLEXSID_NOTIFICATIONS."
+        return PartHealth("notifications", PartState.DEGRADED, text)
+
 
 def check_readers(is_shared: bool) -> PartHealth:
     """Return whether the processes that read uploaded files are confined, on a shared server."""

@@ -207,7 +207,8 @@ async def stream_events(
         )
         if access is not None and is_due:
             visible = await anyio.to_thread.run_sync(
-                _select_visible, context.store, request, access, update
+                *(_select_visible, context.store, request, access, update),
+                limiter=context.live.limiter,
             )
             if visible is None:
                 return  # the session has ended

@@ -75,6 +75,7 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
     clock_error = find_clock_error(context.store)
     others = (
         context.queue_health.check_certificate(),
+        context.queue_health.check_notifications(),
         context.login_addresses.check(),
         context.check_additional_part(),
     )

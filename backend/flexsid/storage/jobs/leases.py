@@ -35,6 +35,14 @@ def read(store: Store) -> Lease:
         return Lease(*connection.execute(query).one())
 
 
+def announce(store: Store, url: str) -> None:
+    """Store the address of a server in a browser, before it dispatches."""
+    with store.database.transaction() as connection:
+        known = connection.scalar(sa.select(leases.c.status).where(_DISPATCHER))
+        status = {**(known or {}), "url": url}
+        connection.execute(sa.update(leases).where(_DISPATCHER).values(status=status))
+
+
 def take(store: Store, seen: Lease, holder: str) -> Lease | None:
     """Take the lease, unless it has changed since it was seen."""
     taken = Lease(holder, seen.epoch + 1, 0)
@@ -49,8 +57,8 @@ def renew(store: Store, lease: Lease, status: dict[str, Any]) -> Lease | None:
 
 
 def release(store: Store, lease: Lease) -> None:
-    """Release the lease, so that the next holder need not wait."""
-    _change(store, lease, holder=None, status=None)
+    """Release the lease, so that the next holder need not wait; the address remains known."""
+    _change(store, lease, holder=None, status={"url": find_address(store)})
 
 
 def lock(connection: Connection) -> None:
@@ -67,10 +75,18 @@ def is_held(epoch: int) -> sa.ColumnElement[bool]:
 
 
 def status(store: Store) -> dict[str, Any] | None:
-    """Return the last status of the holder; None if the lease is free."""
+    """Return the last status of the holder; None if the lease is free, or before its first beat."""
     query = sa.select(leases.c.status).where(_DISPATCHER, leases.c.holder.is_not(None))
     with store.database.reading() as connection:
-        return connection.scalar(query)
+        found = connection.scalar(query)
+    return found if found and "workers" in found else None
+
+
+def find_address(store: Store) -> str | None:
+    """Return the address in a browser of the server that started last, if one is known."""
+    with store.database.reading() as connection:
+        found = connection.scalar(sa.select(leases.c.status).where(_DISPATCHER))
+    return (found or {}).get("url")
 
 
 def _change(store: Store, seen: Lease, *, lax: bool = False, **values: Any) -> bool:

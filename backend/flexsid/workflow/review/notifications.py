@@ -1,10 +1,11 @@
-"""Notifications: decisions awaiting an analyst, and changes since the last visit."""
+"""Notifications: decisions awaiting an analyst, changes since the last visit, and messages."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
+from flexsid.records.account import Account, AccountRole
 from flexsid.records.decision import (
     Decision,
     DecisionState,
@@ -13,6 +14,7 @@ from flexsid.records.decision import (
     StructureVersion,
 )
 from flexsid.storage.store import Store
+from flexsid.workflow.accounts.accounts import find_role, list_roles
 from flexsid.workflow.review.decision_review import OPEN, get_rules
 
 _MOST = 100
@@ -100,6 +102,88 @@ def mark_all_seen(store: Store, analyst: str) -> None:
             mark_seen(store, analyst, f"decision {decision.id}", decision.version)
         for structure in store.model_structures.find():
             mark_seen(store, analyst, f"structure {structure.id}", structure.version)
+
+
+# --- Messages to accounts that do not open the page, each sent once -------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Message:
+    """What is new of a decision that concerns an account, up to event ``number``."""
+
+    analyst: str
+    decision_id: int
+    number: int
+    title: str
+    lines: tuple[str, ...]
+
+
+def list_messages(store: Store, channel: str, since: datetime) -> list[Message]:
+    """List what accounts have neither seen nor been sent by a channel, of events since a time.
+
+    Reviewers are sent proposals and revisions that await their vote; authors of a proposal all
+    that others decide or comment.
+    """
+    decisions = [one for one in store.decisions.find() if (one.changed_at or since) > since]
+    accounts = [one for one in store.accounts.find() if one.disabled_at is None]
+    found = [_list_messages_to(store, channel, one, decisions, since) for one in accounts]
+    return [message for messages in found for message in messages]
+
+
+def mark_sent(store: Store, channel: str, message: Message) -> int:
+    """Store that a message is sent; return the event up to which the one before it was."""
+    subject = f"{channel} decision {message.decision_id}"
+    with store.transaction():
+        before = store.looks.find(analyst=message.analyst.casefold(), subject=subject)
+        mark_seen(store, message.analyst, subject, message.number)
+    return before[0].seen if before else 0
+
+
+def mark_unsent(store: Store, channel: str, message: Message, number: int) -> None:
+    """Store that a message marked as sent was refused, so that it is sent again."""
+    subject = f"{channel} decision {message.decision_id}"
+    with store.transaction():
+        (known,) = store.looks.find(analyst=message.analyst.casefold(), subject=subject)
+        store.looks.replace(replace(known, seen=number))
+
+
+def _list_messages_to(
+    store: Store, channel: str, account: Account, decisions: list[Decision], since: datetime
+) -> list[Message]:
+    roles = list_roles(store, account)
+    messages: list[Message] = []
+    marks = {one.subject: one.seen for one in store.looks.find(analyst=account.name.casefold())}
+    for decision in decisions:
+        role = find_role(roles, decision.aircraft_id)
+        if role is None:
+            continue
+        subject = f"decision {decision.id}"
+        seen = {subject: max(marks.get(subject, 0), marks.get(f"{channel} {subject}", 0))}
+        changes = [
+            change
+            for _, change in _list_decision_changes(store, [decision], account.name, seen)
+            if (change.at or since) > since
+        ]
+        if account.name.casefold() not in {name.casefold() for name in decision.authors}:
+            waiting = _find_waiting(store, decision, account.name)
+            if waiting is None or role.rank < AccountRole.REVIEWER.rank:
+                continue
+            kinds = (EventKind.PROPOSED.value, EventKind.REVISED.value)
+            changes = [change for change in changes if change.what in kinds]
+        if changes:
+            messages.append(
+                Message(
+                    analyst=account.name,
+                    decision_id=decision.id or 0,
+                    number=changes[-1].number,
+                    title=" ".join(decision.proposal.title.split()),
+                    lines=tuple(f"{change.author}: {change.what}" for change in changes),
+                )
+            )
+    return messages
+
+
+# --- What awaits an analyst, and what has changed -------------------------------------------------
 
 
 def _find_waiting(store: Store, decision: Decision, analyst: str) -> Waiting | None:
