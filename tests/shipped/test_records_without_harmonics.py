@@ -192,6 +192,17 @@ def test_an_airspeed_that_falls_is_named_by_quality_and_run(
     said = [text for text in run["fit"]["warnings"] if "the airspeed falls by 24.0 m/s" in text]
     assert len(said) == 1
     assert "one airspeed, of 60.0 m/s" in said[0]
+    steady = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=1)['id']}")
+    share = {name: compute_condition_share(one) for name, one in (("falls", run), ("steady", steady))}
+    # An airspeed known to 40 / sqrt(12) = 11.5 % is a dynamic pressure known to 23 %.
+    assert 0.18 < share["falls"] < 0.28, share
+    assert share["steady"] < 0.05, share
+
+
+def compute_condition_share(run: dict[str, Any]) -> float:
+    found = {one["name"]: one for one in run["parameters"]}["Cm_elevator"]
+    assert found["std_error"] >= found["condition_std"]
+    return found["condition_std"] / abs(found["value"])
 
 
 def test_a_held_surface_is_sound(doublet: Doublet, tmp_path: Path) -> None:
