@@ -62,10 +62,9 @@ class TestedFit:
             return float("inf")
         return sum(one.rejects for one in self.adequacy.tests)
 
-
     @property
     def may_be_chance(self) -> bool:
-        """Whether the smallest p is one that sound data have now and then: any change removes it."""
+        """Whether so few tests reject as of sound data now and then: any change removes it."""
         return 0 < self.n_rejecting < _FEW and all(
             one.adjusted_p > _CHANCE for one in self.adequacy.tests
         )
