@@ -193,7 +193,8 @@ def test_an_airspeed_that_falls_is_named_by_quality_and_run(
     assert len(said) == 1
     assert "one airspeed, of 60.0 m/s" in said[0]
     steady = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=1)['id']}")
-    share = {name: compute_condition_share(one) for name, one in (("falls", run), ("steady", steady))}
+    runs = (("falls", run), ("steady", steady))
+    share = {name: compute_condition_share(one) for name, one in runs}
     # An airspeed known to 40 / sqrt(12) = 11.5 % is a dynamic pressure known to 23 %.
     assert 0.18 < share["falls"] < 0.28, share
     assert share["steady"] < 0.05, share
@@ -296,8 +297,15 @@ def test_the_cause_of_a_rejection_is_named_and_its_correction_settles_it(
     assert {name: correction[name] for name in option} == option
     if option["kind"] == "delay":
         assert correction["delay_s"] == pytest.approx(-0.03, abs=5e-4)
-    doublet.client.send("post", f"maneuvers/{number}/conditioning", {"items": [correction]})
+    if option["kind"] == "delay":
+        doublet.client.send("post", f"runs/{run['id']}/corrections", None)
+    else:
+        took = run_command(doublet.folder, doublet.database, "correct", str(run["id"]))
+        assert f"run {run['id']}: maneuver {number}, {channel}: " in took.stdout, took.stderr
+    (step,) = doublet.client.get(f"maneuvers/{number}/conditioning")["items"]
+    assert step["correction"] == correction | {"is_shared": True}
     corrected = estimate("OE")
+    doublet.client.send("delete", f"maneuvers/{number}/conditioning/{step['id']}")
     assert corrected["adequacy"]["causes"] == [], corrected["adequacy"]["reason"]
     values = {one["name"]: one for one in corrected["parameters"]}
     for one in run["parameters"]:

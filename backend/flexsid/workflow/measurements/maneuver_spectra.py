@@ -135,6 +135,29 @@ def _add_to_maneuver(
     return steps
 
 
+def take_named_corrections(store: Store, run_id: int, author: str = "") -> list[ConditioningStep]:
+    """Store the corrections of the causes that a run names; return those of its maneuver.
+
+    Those of a recorder hold for all maneuvers of the aircraft with the channel.
+
+    Raises
+    ------
+    BadInput
+        If the run names no cause that a correction removes.
+    Conflict
+        If a channel has a delay or calibration already: undo that first.
+    """
+    run = store.runs.get(run_id)
+    causes = () if run.result is None else run.result.adequacy.causes
+    found = [one.finding.correction for one in causes if one.finding.correction is not None]
+    if not found:
+        raise BadInput(
+            f"run {run_id} names no cause that a correction removes", code="no-correction"
+        )
+    shared = [replace(one, is_shared=one.kind is not StepKind.REPAIR) for one in found]
+    return add_conditioning_steps(store, run.maneuver_id, shared, author)
+
+
 def add_shared_corrections(store: Store, maneuver: Maneuver) -> None:
     """Store the shared corrections of the aircraft with a new maneuver, by their authors."""
     recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
