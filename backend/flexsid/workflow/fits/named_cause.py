@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -21,7 +22,9 @@ from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
 from flexsid.sysid.preparation.resampling import BetweenSamples, find_new_samples
-from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
+from flexsid.sysid.preparation.spikes_and_dropouts import (
+    bridge_samples,
+)
 from flexsid.units import dimension, to_si
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
 from flexsid.workflow.measurements.sensor_faults import (
@@ -40,11 +43,16 @@ _LEAST_SIGMAS = 4.0  # of a delay or scale factor
 _LEAST_SCALE = 0.2  # of a scale factor that is no dead sensor
 _LEAST_SCALE_CHANGE = 0.02  # of a scale factor: calibration is known no better
 _CONVERGED_SCALE = 2e-3  # of a scale factor
+_LOST = (FindingKind.FROZEN, FindingKind.ROUNDED, FindingKind.CLIPPED)
+"""Faults whose samples no correction restores."""
+
 _SIGN = 0.3  # of a reversed sign, whose first step is from the wrong side
 _ORDER = (BetweenSamples.SMOOTH, BetweenSamples.LINEAR, BetweenSamples.HELD)  # of equal fits
 _COARSE = 0.02  # of the range of a channel: a step of its numbers that matters
 _MOST_LEVELS = 0.125  # of the samples: more different values are no steps
 _EQUAL_STEPS = 1e-3  # of a step
+_ABRUPT = 0.04  # of the range of a channel: its step to a limit; of an actuator it is smaller
+_SHORTEST_LIMIT = 3  # samples
 _SMOOTHINGS = 100  # of a rounded channel: over the about ten samples between its steps
 
 
@@ -104,14 +112,13 @@ def name_cause(
     if fit.adequacy.tests and rejecting <= {Hypothesis.REGRESSOR_NOISE}:
         return fit.adequacy, frozenset()  # no fault of the data, but of the method, or feedback
     causes = [*_describe_drift(task), *_compare_sensors(task)]
-    frozen = list(_repair_frozen(task))
     held = {one.finding.channel for one in causes if one.finding.kind is FindingKind.HELD}
     inputs = held.intersection(_list_input_channels(task))
     last = fit
     found = [one.finding.correction for one in causes]
     taken = [one for one in found if one is not None and one.channel not in inputs]
-    if taken or frozen:
-        task = _correct(task, [*frozen, *taken])
+    if taken or any(one.finding.kind is FindingKind.FROZEN for one in causes):
+        task = _correct(_bridge_frozen(task), taken)
         last = _refit(refit, task) or fit
     searches = (_search_outputs, _search_inputs) if task.model.modes.numbers else (_search_inputs,)
     for search in searches:
@@ -128,7 +135,7 @@ def name_cause(
     words = [causes[0].finding.sentence, causes[0].finding.remedy, causes[0].question]
     words += [one.finding.sentence for one in causes[1:]]
     # Samples that were not recorded are replaced for the comparison alone.
-    lost = frozen or any(one.finding.kind is FindingKind.ROUNDED for one in causes)
+    lost = any(one.finding.kind in _LOST for one in causes)
     words.append(_state_effect(fit, last, len(causes), is_settled=not lost))
     adequacy = replace(
         fit.adequacy,
@@ -136,7 +143,9 @@ def name_cause(
         reason=" ".join(filter(None, words)),
         causes=tuple(causes),
     )
-    return adequacy, _find_moved(fit.estimate, last.estimate)
+    moved = _find_moved(fit.estimate, last.estimate)
+    clipped = {one.finding.channel for one in causes if one.finding.kind is FindingKind.CLIPPED}
+    return adequacy, moved.union(n for n in fit.estimate.names if n.partition("_")[2] in clipped)
 
 
 def _refit(refit: Refit, task: EstimationTask) -> TestedFit | None:
@@ -198,18 +207,20 @@ def _describe_drift(task: EstimationTask) -> Iterator[SensorFault]:
         )
 
 
-def _repair_frozen(task: EstimationTask) -> Iterator[Correction]:
-    """Interpolate the samples of frozen intervals, to see what these move."""
+def _bridge_frozen(task: EstimationTask) -> EstimationTask:
+    """Replace the samples of frozen intervals by a curve, to see what these move."""
     if len(task.maneuver_tasks) > 1:
-        return  # each has samples of its own
+        return task  # each has samples of its own
     one = task.maneuver_tasks[0]
     channels = {channel.name: channel for channel, _ in one.measurement.recording.channels}
     for interval in () if one.sensors is None else one.sensors.frozen:
-        for name in interval.channels:
-            if (channel := channels.get(name)) is not None:
-                first = round((interval.start_s - channel.start_s) * channel.rate_hz)
-                stop = round((interval.stop_s - channel.start_s) * channel.rate_hz)
-                yield Correction(channel=name, kind=StepKind.REPAIR, stretches=((first, stop),))
+        for name in channels.keys() & set(interval.channels):
+            channel = channels[name]
+            first = round((interval.start_s - channel.start_s) * channel.rate_hz)
+            stop = round((interval.stop_s - channel.start_s) * channel.rate_hz)
+            bridge = partial(bridge_samples, stretches=((first, stop),))
+            task = _replace_samples(task, name, bridge)
+    return task
 
 
 def _compare_sensors(task: EstimationTask) -> tuple[SensorFault, ...]:
@@ -340,14 +351,12 @@ def _search_inputs(
     most = _EXPLAINED * min(fit.n_rejecting, 1e6)
     late = names if is_rigid else _rank(fit, names, (Hypothesis.INPUT_DELAY,))[:1]
     trials += chain.from_iterable(_try_delay(task, fit, refit, name) for name in late)
-    if not any(one.fit.n_rejecting <= most for one in trials):
-        trials += chain.from_iterable(_try_unclipped(task, refit, *channels[n]) for n in names)
     explaining = [one for one in trials if one.fit.n_rejecting <= most]
     if explaining:
         first = explaining[0]
         others = tuple(one.finding for one in explaining[1:])
         question = " ".join(["The data do not separate this from:", *(o.sentence for o in others)])
-        if len(names) == 1 and first.finding.kind is not FindingKind.CLIPPED:
+        if len(names) == 1:
             known = f"{question} " if others else "One surface does not separate this from: "
             question = (
                 f"{known}The forces lag the motion by as much. All sensors are late by as much."
@@ -358,33 +367,38 @@ def _search_inputs(
     for name in names:
         finding = _describe_steps(*channels[name])
         if finding is not None:
-            smooth = _replace_samples(task, name, finding.value)
+            channel, _ = channels[name]
+            step = finding.value / float(to_si(1.0, channel.unit))
+            smooth = _replace_samples(task, name, partial(_unround, step=step))
             found = _refit(refit, smooth)
             trial = None if found is None else _Trial(finding, smooth, found)
             return SensorFault(finding=finding), trial
+    for name in names:
+        finding = _describe_limits(*channels[name])
+        if finding is not None:
+            return SensorFault(finding=finding), None
     return None, None
 
 
-def _replace_samples(task: EstimationTask, name: str, step: float) -> EstimationTask:
-    """Replace a rounded input by the smoothest one that rounds to it, to see what that moves."""
+def _replace_samples(
+    task: EstimationTask, name: str, change: Callable[[np.ndarray], np.ndarray]
+) -> EstimationTask:
+    """Replace the samples of a channel, for a comparison alone."""
 
-    def smooth(one: ManeuverTask) -> ManeuverTask:
+    def replace_in(one: ManeuverTask) -> ManeuverTask:
         recording = one.measurement.recording
         channels = tuple(
-            (channel, _unround(samples, step / to_si(1.0, channel.unit)))
-            if channel.name == name
-            else (channel, samples)
+            (channel, change(np.asarray(samples, dtype=float)) if channel.name == name else samples)
             for channel, samples in recording.channels
         )
         measurement = replace(one.measurement, recording=replace(recording, channels=channels))
         return replace(one, measurement=measurement)
 
-    return replace(task, maneuver_tasks=tuple(smooth(one) for one in task.maneuver_tasks))
+    return replace(task, maneuver_tasks=tuple(replace_in(one) for one in task.maneuver_tasks))
 
 
-def _unround(samples: np.ndarray, step: float) -> np.ndarray:
+def _unround(values: np.ndarray, step: float) -> np.ndarray:
     """Return the smoothest signal within half a step of rounded samples."""
-    values = np.asarray(samples, dtype=float)
     found = values
     for _ in range(_SMOOTHINGS):
         padded = np.pad(found, 1, mode="edge")
@@ -516,39 +530,31 @@ def _matters(finding: SensorFinding) -> bool:
     return abs(finding.value) > max(_LEAST_DELAY_S, _LEAST_SIGMAS * (finding.std or 0.0))
 
 
-def _try_unclipped(
-    task: EstimationTask, refit: Refit, channel: Channel, samples: np.ndarray
-) -> list[_Trial]:
-    """Fit with the limits of a recorded input replaced by a curve through what is beside them."""
-    if len(task.maneuver_tasks) > 1:
-        return []  # each has samples of its own
-    stretches = tuple(
-        (one.first, one.stop)
-        for one in find_defects(np.asarray(samples, dtype=float))
-        if one.kind is SampleDefect.SATURATION
-    )
-    if not stretches:
-        return []
-    share = sum(stop - first for first, stop in stretches) / samples.size
-    correction = Correction(
-        channel=channel.name,
-        kind=StepKind.REPAIR,
-        stretches=stretches,
-        basis="fit of the model without the limits of this channel",
-    )
-    finding = SensorFinding(
+def _describe_limits(channel: Channel, samples: np.ndarray) -> SensorFinding | None:
+    """Describe a channel that stops abruptly at its largest or smallest value, and stays there."""
+    x = np.asarray(samples, dtype=float)
+    span = float(np.ptp(x))
+    at_limit = np.zeros(x.size, dtype=bool)
+    for limit in (x.min(), x.max()):
+        edges = np.flatnonzero(np.diff(np.r_[False, x == limit, False]))
+        for first, stop in edges.reshape(-1, 2):
+            is_inside = first > 0 and stop < x.size and stop - first >= _SHORTEST_LIMIT
+            if is_inside and min(abs(x[first - 1] - limit), abs(x[stop] - limit)) > _ABRUPT * span:
+                at_limit[first:stop] = True
+    share = float(at_limit.mean())
+    if not share > 0.0:
+        return None
+    return SensorFinding(
         kind=FindingKind.CLIPPED,
         channel=channel.name,
         axis="",
         value=share,
         std=None,
         gain=None,
-        sentence=f"{channel.name} is clipped for {100.0 * share:.2g} % of its samples: the surface "
-        "moves beyond the range of its recorder.",
-        remedy=f"Record {channel.name} with a larger range, or repair these samples.",
-        correction=correction,
+        sentence=f"{channel.name} stops abruptly at its limits, for {100.0 * share:.2g} % of its "
+        "samples, as if it was clipped.",
+        remedy=f"Record {channel.name} with a larger range if its surface moves further.",
     )
-    return _try(task, refit, finding, correction)
 
 
 def _describe_steps(channel: Channel, samples: np.ndarray) -> SensorFinding | None:
