@@ -192,6 +192,18 @@ def test_an_airspeed_that_falls_is_named_by_quality_and_run(
     said = [text for text in run["fit"]["warnings"] if "the airspeed falls by 24.0 m/s" in text]
     assert len(said) == 1
     assert "one airspeed, of 60.0 m/s" in said[0]
+    steady = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=1)['id']}")
+    runs = (("falls", run), ("steady", steady))
+    share = {name: compute_condition_share(one) for name, one in runs}
+    # An airspeed known to 40 / sqrt(12) = 11.5 % is a dynamic pressure known to 23 %.
+    assert 0.18 < share["falls"] < 0.28, share
+    assert share["steady"] < 0.05, share
+
+
+def compute_condition_share(run: dict[str, Any]) -> float:
+    found = {one["name"]: one for one in run["parameters"]}["Cm_elevator"]
+    assert found["std_error"] >= found["condition_std"]
+    return found["condition_std"] / abs(found["value"])
 
 
 def test_a_held_surface_is_sound(doublet: Doublet, tmp_path: Path) -> None:
@@ -285,8 +297,15 @@ def test_the_cause_of_a_rejection_is_named_and_its_correction_settles_it(
     assert {name: correction[name] for name in option} == option
     if option["kind"] == "delay":
         assert correction["delay_s"] == pytest.approx(-0.03, abs=5e-4)
-    doublet.client.send("post", f"maneuvers/{number}/conditioning", {"items": [correction]})
+    if option["kind"] == "delay":
+        doublet.client.send("post", f"runs/{run['id']}/corrections", None)
+    else:
+        took = run_command(doublet.folder, doublet.database, "correct", str(run["id"]))
+        assert f"run {run['id']}: maneuver {number}, {channel}: " in took.stdout, took.stderr
+    (step,) = doublet.client.get(f"maneuvers/{number}/conditioning")["items"]
+    assert step["correction"] == correction | {"is_shared": True}
     corrected = estimate("OE")
+    doublet.client.send("delete", f"maneuvers/{number}/conditioning/{step['id']}")
     assert corrected["adequacy"]["causes"] == [], corrected["adequacy"]["reason"]
     values = {one["name"]: one for one in corrected["parameters"]}
     for one in run["parameters"]:

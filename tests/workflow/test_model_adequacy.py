@@ -134,3 +134,31 @@ def test_equation_error_is_tested_and_runs_of_earlier_releases_are_not(flown_url
     (item,) = store.run_page().items
     assert item.adequacy is AdequacyState.NOT_TESTED
     store.close()
+
+
+@pytest.mark.long
+def test_the_fault_of_a_sensor_of_a_flexible_aircraft_is_named(store: Store) -> None:
+    """A reversed accelerometer."""
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=51)).id
+    assert flight is not None
+    flown = fly(airspeed_ratio=0.65, fuel=0.5, fta=506, modes_in_truth=1, seed=3)
+    channels = tuple(
+        replace(one, samples=-one.samples) if one.name == "az_cf" else one for one in flown.channels
+    )
+    maneuver = add_maneuver(store, replace(flown, channels=channels), flight)
+    assert maneuver.id is not None
+    outputs = ("alpha", "q", "az_egi", "az_cf", "az_ofl", "az_ofr")
+    request = EstimationRun(
+        maneuver_id=maneuver.id,
+        method=Method.OE,
+        structure=Structure(modes=(7,), outputs=outputs, fixed={}),
+        settings=RunSettings(start=Start.PREDICTION, out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    found = compute_run(prepare(store, request), lambda progress: None)
+    assert found.adequacy.state is AdequacyState.SUSPECT
+    assert found.adequacy.reason.startswith("The sign of az_cf is reversed."), found.adequacy.reason
+    (cause,) = found.adequacy.causes
+    assert cause.finding.correction is not None
+    assert (cause.finding.channel, cause.finding.correction.scale) == ("az_cf", -1.0)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from file_imports import import_maneuver
+from rigid_record import NOISE, make_pulses, simulate, write_record
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
@@ -14,6 +18,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
+from flexsid.workflow.runs.run_proposal import apply_proposal, set_default_band
 from flexsid.workflow.views.time_comparison import (
     check_in_time,
     compare_in_time,
@@ -57,6 +62,33 @@ def test_model_follows_the_recording_also_beyond_flutter(store: Store, ratio: fl
     assert fit == pytest.approx(100.0 * (1.0 - np.sqrt(1.0 - check.traces[0].r_squared)), abs=0.1)
     with pytest.raises(BadInput, match="at most 12"):
         compare_in_time(store, [run.id], "q", range(1, 18))
+
+
+def test_a_simulation_holds_a_surface_that_moves_in_steps(store: Store, tmp_path: Path):
+    def deflect(time: np.ndarray) -> np.ndarray:
+        pulses = make_pulses(time, (0.6, 1), (0.6, -1))
+        return pulses[np.arange(time.size) // 40 * 40]  # at 25 Hz
+
+    record, mapping = write_record(tmp_path, simulate(7.5, deflect))
+    column = 'column = "elevator"\n'
+    text = mapping.read_text().replace(column, f'{column}between_samples = "held"\n')
+    maneuver = import_maneuver(store, [record], text)
+    assert maneuver.id is not None
+    request = EstimationRun(
+        maneuver_id=maneuver.id,
+        method=Method.OE,
+        structure=Structure(),
+        settings=RunSettings(),
+    )
+    run = store.runs.add(set_default_band(store, apply_proposal(store, request)))
+    assert run.id is not None
+    claimed = queue.claim(store, run.id)
+    assert claimed is not None
+    found = compute_run(prepare(store, run), lambda progress: None)
+    store_result(store, run.id, claimed.attempt, found)
+    for trace in check_in_time(store, run.id, ["q", "alpha"]).traces:
+        away = np.asarray(trace.measured) - np.asarray(trace.simulated)
+        assert np.std(away) < 1.3 * NOISE[trace.name], trace.name
 
 
 def test_fit_is_that_of_the_system_identification_toolbox():

@@ -98,7 +98,13 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
     Permission.ANALYST: (
         *("replace_aircraft", "set_thrust", "remove_thrust"),
         *("cut_maneuver", "upload_maneuver", "change_maneuvers"),
-        *("delete_maneuver", "add_conditioning", "undo_conditioning", "assess_maneuvers"),
+        *(
+            "delete_maneuver",
+            "add_conditioning",
+            "undo_conditioning",
+            "correct_cause",
+            "assess_maneuvers",
+        ),
         *("stop_assessment", "add_mapping", "delete_mapping", "upload_files"),
         *(
             "get_upload",

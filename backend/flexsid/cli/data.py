@@ -30,6 +30,7 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import COMPATIBILITY, OUTPUT_ONLY_MODES, TRANSFER_FUNCTION
+from flexsid.records.maneuver import ConditioningStep, StepKind
 from flexsid.records.quality import CompatibilityReport, SensorEstimate
 from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.settings import Settings
@@ -45,7 +46,10 @@ from flexsid.workflow.importing.flight_import import (
     read_upload,
     store_upload,
 )
-from flexsid.workflow.measurements.maneuver_spectra import add_conditioning_steps
+from flexsid.workflow.measurements.maneuver_spectra import (
+    add_conditioning_steps,
+    take_named_corrections,
+)
 from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.model_structures.model_structures import refuse_altered
@@ -253,6 +257,32 @@ def check_compatibility(settings: Settings, arguments: argparse.Namespace) -> in
             if arguments.correct and corrections:
                 add_conditioning_steps(store, group[0], corrections, getpass.getuser())
     return 0
+
+
+def correct_causes(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Take the corrections of the causes that runs name, and print them."""
+    with open_store(settings) as store:
+        for number in parse_list(arguments.runs, int, "the runs"):
+            steps = take_named_corrections(store, number, getpass.getuser())
+            lines = [
+                f"run {number}: maneuver {one.maneuver_id}, {_format_step(one)}" for one in steps
+            ]
+            print("\n".join(lines))
+    return 0
+
+
+def _format_step(step: ConditioningStep) -> str:
+    one = step.correction
+    match one.kind:
+        case StepKind.DELAY:
+            what = f"delay {1e3 * one.delay_s:.3f} ms removed"
+        case StepKind.CALIBRATION:
+            what = f"divided by {one.scale:.4g}"
+        case StepKind.INTERPOLATION:
+            what = f"between its samples {one.between_samples.value}"
+        case StepKind.REPAIR:
+            what = "repaired"
+    return f"{one.channel}: {what}"
 
 
 def _format_report(found: CompatibilityReport) -> Iterator[str]:

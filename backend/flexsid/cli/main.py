@@ -232,6 +232,11 @@ def build_parser() -> argparse.ArgumentParser:
     _add_output_only_options(add("output-only", "data:identify_output_only", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
     _add_compatibility_options(add("compatibility", "data:check_compatibility", summary))
+    summary = "take the corrections of the causes that rejected runs name"
+    meaning = "ids of runs that their tests reject"
+    add("correct", "data:correct_causes", summary).add_argument(
+        "runs", metavar="RUN,RUN", help=meaning
+    )
     summary = "sample the posterior of output-error runs, and check their standard errors"
     meaning = "ids of succeeded output-error runs"
     add("posterior", "models:check_posterior", summary).add_argument(

@@ -570,6 +570,21 @@ class Workbench:
         """
         return self.compute("compatibility", maneuver_ids=list(maneuver_ids))
 
+    def correct_cause(self, run_id: int) -> list[dict[str, Any]]:
+        """Take the corrections of the causes that a rejected run names; estimate again after it.
+
+        Parameters
+        ----------
+        run_id
+            A run that its tests reject.
+
+        Returns
+        -------
+        list of dict
+            The steps, as stored with the maneuver of the run.
+        """
+        return self.post(f"runs/{run_id}/corrections", None)["items"]
+
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:

@@ -26,6 +26,7 @@ class FindingKind(StrEnum):
     HELD = "held"
     FROZEN = "frozen"
     ROUNDED = "rounded"
+    CLIPPED = "clipped"
     DRIFT = "drift"
 
 

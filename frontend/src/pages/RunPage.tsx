@@ -10,6 +10,7 @@ import { FitTab } from "../components/runs/FitTab";
 import { JobProgress } from "../components/jobs/JobProgress";
 import { Loaded } from "../components/display/Loaded";
 import { AdequacyLine, AdequacyTests } from "../components/runs/ModelAdequacy";
+import { NamedCorrections } from "../components/runs/NamedCorrections";
 import { OtherAxis } from "../components/maneuvers/OtherAxis";
 import { NotesButton, type NoteTopic } from "../components/display/Notes";
 import { PageHead } from "../components/frame/PageHead";
@@ -99,6 +100,7 @@ function OneRun({ run }: { run: Run }) {
       <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
       {run.adequacy !== null && <AdequacyLine adequacy={run.adequacy} title="Model adequacy" />}
+      <NamedCorrections run={run} />
       {run.symmetry !== null && <AdequacyLine adequacy={run.symmetry} title="Symmetry" />}
       {isOver(run.state) && <Results run={run} />}
     </>

@@ -34,6 +34,7 @@ from flexsid.api.serialization import (
     read_query,
 )
 from flexsid.records.decision import Structure
+from flexsid.records.maneuver import ConditioningStep
 from flexsid.records.run import Batch, EstimationRun
 from flexsid.storage import bulk
 from flexsid.storage.jobs import batches
@@ -44,6 +45,7 @@ from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.versions import add_default_priors
+from flexsid.workflow.measurements.maneuver_spectra import take_named_corrections
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation, run_templates
 from flexsid.workflow.runs.capsule import write_capsule
@@ -150,6 +152,17 @@ def change_runs(store: TheStore, body: ChangeRequest) -> ChangedRecords:
 def get_run(store: TheStore, run_id: Identity) -> Run:
     """Return one run, with its parameters once it succeeded."""
     return build_run_response(store, store.runs.get(run_id))
+
+
+@runs_router.post("/{run_id}/corrections", status_code=status.HTTP_201_CREATED)
+def correct_cause(
+    store: TheStore, run_id: Identity, analyst: TheAnalyst
+) -> Items[ConditioningStep]:
+    """Take the corrections of the causes that a run names, as steps of its maneuver.
+
+    Those of a recorder are taken for all maneuvers of the aircraft that have the channel.
+    """
+    return Items(items=take_named_corrections(store, run_id, analyst))
 
 
 @runs_router.get("/{run_id}/export", response_model=RunExport)

@@ -129,7 +129,6 @@ def repair_samples(
         If an interval lies outside the record, or is too long to be interpolated.
     """
     x = np.asarray(samples, dtype=float)
-    bad = np.zeros(x.size, dtype=bool)
     for first, stop in stretches:
         if not 0 <= first < stop <= x.size:
             raise BadInput(
@@ -143,6 +142,21 @@ def repair_samples(
                 "channel",
                 code="too-long-to-repair",
             )
+    return bridge_samples(x, stretches)
+
+
+def bridge_samples(
+    samples: Float[np.ndarray, " n_samples"], stretches: Sequence[tuple[int, int]]
+) -> Float[np.ndarray, " n_samples"]:
+    """Replace stretches of any length by a cubic spline through their neighbours.
+
+    Raises
+    ------
+    BadInput
+        If a stretch has no valid samples around it.
+    """
+    x, bad = np.asarray(samples, dtype=float), np.zeros(len(samples), dtype=bool)
+    for first, stop in stretches:
         bad[first:stop] = True
     result = x.copy()
     for run in _find_runs(bad):

@@ -1,14 +1,15 @@
 """Cause of a rejected fit: the fault of the data that explains why tests reject the model.
 
-Kinematics compare the sensors whatever the aerodynamics, so that their faults come first. What is
-left is sought in the inputs: the model of a rigid aircraft is fitted again with one fault of theirs
-corrected, which takes no longer than its tests.
+Kinematics compare the sensors of a rigid aircraft whatever the aerodynamics, so that their faults
+come first. Of a flexible one, and of the inputs of both, the model is fitted again with one fault
+corrected: of few channels, those of which a test finds most.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -16,24 +17,43 @@ import numpy as np
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.maneuver import Channel, Correction, StepKind
 from flexsid.records.quality import FindingKind, SensorFault, SensorFinding
-from flexsid.records.run import AdequacyState, ModelAdequacy
+from flexsid.records.run import AdequacyState, AdequacyTest, ModelAdequacy
 from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
 from flexsid.sysid.preparation.resampling import BetweenSamples, find_new_samples
+from flexsid.sysid.preparation.spikes_and_dropouts import (
+    bridge_samples,
+)
 from flexsid.units import dimension, to_si
-from flexsid.workflow.fits.estimation_task import EstimationTask
-from flexsid.workflow.measurements.sensor_faults import describe_compatibility, format_with_std
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
+from flexsid.workflow.measurements.sensor_faults import (
+    describe_compatibility,
+    describe_samples,
+    format_with_std,
+)
 
+_CHANCE = 1e-3  # adjusted p above which few rejecting tests are searched for no cause
+_FEW = 3  # rejecting tests
 _EXPLAINED = 0.125  # of the tests that rejected may still do so
 _ROUNDS = 5  # of a delay
 _CONVERGED_S = 2e-4  # of a delay
 _LEAST_DELAY_S = 1e-3  # that matters
-_LEAST_SIGMAS = 4.0  # of a delay
+_LEAST_SIGMAS = 4.0  # of a delay or scale factor
+_LEAST_SCALE = 0.2  # of a scale factor that is no dead sensor
+_LEAST_SCALE_CHANGE = 0.02  # of a scale factor: calibration is known no better
+_CONVERGED_SCALE = 2e-3  # of a scale factor
+_LOST = (FindingKind.FROZEN, FindingKind.ROUNDED, FindingKind.CLIPPED)
+"""Faults whose samples no correction restores."""
+
+_SIGN = 0.3  # of a reversed sign, whose first step is from the wrong side
 _ORDER = (BetweenSamples.SMOOTH, BetweenSamples.LINEAR, BetweenSamples.HELD)  # of equal fits
 _COARSE = 0.02  # of the range of a channel: a step of its numbers that matters
 _MOST_LEVELS = 0.125  # of the samples: more different values are no steps
 _EQUAL_STEPS = 1e-3  # of a step
+_ABRUPT = 0.04  # of the range of a channel: its step to a limit; of an actuator it is smaller
+_SHORTEST_LIMIT = 3  # samples
+_SMOOTHINGS = 100  # of a rounded channel: over the about ten samples between its steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +69,13 @@ class TestedFit:
         if self.adequacy.state is AdequacyState.NOT_TESTED:
             return float("inf")
         return sum(one.rejects for one in self.adequacy.tests)
+
+    @property
+    def may_be_chance(self) -> bool:
+        """Whether so few tests reject as of sound data now and then: any change removes it."""
+        return 0 < self.n_rejecting < _FEW and all(
+            one.adjusted_p > _CHANCE for one in self.adequacy.tests
+        )
 
 
 Refit = Callable[[EstimationTask], TestedFit]
@@ -81,38 +108,44 @@ def name_cause(
         With the causes first in its reason, and the parameters that the corrections move by more
         than their standard errors: these are no errors of them. Unchanged where no fault is found.
     """
-    rejecting = [one.hypothesis for one in fit.adequacy.tests if one.rejects]
-    if rejecting == [Hypothesis.REGRESSOR_NOISE]:
-        return fit.adequacy, frozenset()  # no fault of the data, but of the method
+    rejecting = {one.hypothesis for one in fit.adequacy.tests if one.rejects}
+    if fit.adequacy.tests and rejecting <= {Hypothesis.REGRESSOR_NOISE}:
+        return fit.adequacy, frozenset()  # no fault of the data, but of the method, or feedback
     causes = [*_describe_drift(task), *_compare_sensors(task)]
-    is_rigid = not task.model.modes.numbers and not task.corrected
     held = {one.finding.channel for one in causes if one.finding.kind is FindingKind.HELD}
     inputs = held.intersection(_list_input_channels(task))
     last = fit
-    if is_rigid:
-        found = [one.finding.correction for one in causes]
-        taken = [one for one in found if one is not None and one.channel not in inputs]
-        if taken:
-            task = _correct(task, taken)
-            last = _refit(refit, task) or fit
-        if last.adequacy.state is not AdequacyState.CONSISTENT:
-            fault, trial = _search_inputs(task, last, refit)
-            if fault is not None:
-                causes = [one for one in causes if one.finding.channel != fault.finding.channel]
-                causes.insert(0, fault) if not causes else causes.append(fault)
-            last = last if trial is None else trial.fit
+    found = [one.finding.correction for one in causes]
+    taken = [one for one in found if one is not None and one.channel not in inputs]
+    if taken or any(one.finding.kind is FindingKind.FROZEN for one in causes):
+        task = _correct(_bridge_frozen(task), taken)
+        last = _refit(refit, task) or fit
+    searches = (_search_outputs, _search_inputs) if task.model.modes.numbers else (_search_inputs,)
+    for search in searches:
+        if last.adequacy.state is AdequacyState.CONSISTENT or last.may_be_chance:
+            break
+        fault, trial = search(task, last, refit)
+        if fault is not None:
+            causes = [one for one in causes if one.finding.channel != fault.finding.channel]
+            causes.insert(0, fault) if not causes else causes.append(fault)
+        if trial is not None:
+            task, last = trial.task, trial.fit
     if not causes:
         return fit.adequacy, frozenset()
     words = [causes[0].finding.sentence, causes[0].finding.remedy, causes[0].question]
     words += [one.finding.sentence for one in causes[1:]]
-    words.append(_state_effect(fit, last, len(causes)))
+    # Samples that were not recorded are replaced for the comparison alone.
+    lost = any(one.finding.kind in _LOST for one in causes)
+    words.append(_state_effect(fit, last, len(causes), is_settled=not lost))
     adequacy = replace(
         fit.adequacy,
         state=AdequacyState.SUSPECT,
         reason=" ".join(filter(None, words)),
         causes=tuple(causes),
     )
-    return adequacy, _find_moved(fit.estimate, last.estimate)
+    moved = _find_moved(fit.estimate, last.estimate)
+    clipped = {one.finding.channel for one in causes if one.finding.kind is FindingKind.CLIPPED}
+    return adequacy, moved.union(n for n in fit.estimate.names if n.partition("_")[2] in clipped)
 
 
 def _refit(refit: Refit, task: EstimationTask) -> TestedFit | None:
@@ -134,8 +167,8 @@ def _correct(task: EstimationTask, corrections: Sequence[Correction]) -> Estimat
     )
 
 
-def _state_effect(fit: TestedFit, last: TestedFit, n_causes: int) -> str:
-    if last is fit:
+def _state_effect(fit: TestedFit, last: TestedFit, n_causes: int, *, is_settled: bool) -> str:
+    if last is fit or not is_settled:
         return "" if fit.adequacy.state is AdequacyState.NOT_TESTED else fit.adequacy.reason
     what = "this" if n_causes == 1 else "these"
     if last.adequacy.state is AdequacyState.NOT_TESTED:
@@ -174,11 +207,117 @@ def _describe_drift(task: EstimationTask) -> Iterator[SensorFault]:
         )
 
 
+def _bridge_frozen(task: EstimationTask) -> EstimationTask:
+    """Replace the samples of frozen intervals by a curve, to see what these move."""
+    if len(task.maneuver_tasks) > 1:
+        return task  # each has samples of its own
+    one = task.maneuver_tasks[0]
+    channels = {channel.name: channel for channel, _ in one.measurement.recording.channels}
+    for interval in () if one.sensors is None else one.sensors.frozen:
+        for name in channels.keys() & set(interval.channels):
+            channel = channels[name]
+            first = round((interval.start_s - channel.start_s) * channel.rate_hz)
+            stop = round((interval.stop_s - channel.start_s) * channel.rate_hz)
+            bridge = partial(bridge_samples, stretches=((first, stop),))
+            task = _replace_samples(task, name, bridge)
+    return task
+
+
 def _compare_sensors(task: EstimationTask) -> tuple[SensorFault, ...]:
     recorded = [one.sensors for one in task.maneuver_tasks if one.sensors is not None]
     if len(recorded) < len(task.maneuver_tasks):
         return ()
+    if task.model.modes.numbers:  # kinematics of a rigid aircraft do not hold
+        return tuple(describe_samples(recorded))
     return describe_compatibility(tuple(range(len(recorded))), recorded).faults
+
+
+# --- Faults of the sensors of flexible aircraft, by fits with one of them corrected ---------------
+
+
+def _search_outputs(
+    task: EstimationTask, fit: TestedFit, refit: Refit
+) -> tuple[SensorFault | None, _Trial | None]:
+    """Search for the fault of a sensor that explains why tests reject a flexible model.
+
+    Lag, sign and scale factor of the sensor of which the tests of these find most.
+    """
+    parts = task.maneuver_tasks[0].measurement.recording.parts
+    single = [name for name in task.model.outputs if parts[name] == ((name, 1.0),)]
+    hypotheses = (Hypothesis.OUTPUT_DELAY, Hypothesis.OUTPUT_SCALE)
+    most = _EXPLAINED * min(fit.n_rejecting, 1e6)
+    trials: list[_Trial] = []
+    for name in _rank(fit, single, hypotheses)[:1]:
+        trials += _try_delay(task, fit, refit, name, Hypothesis.OUTPUT_DELAY)
+        trials += _try_scale(task, fit, refit, name)
+    explaining = [one for one in trials if one.fit.n_rejecting <= most]
+    if not explaining:
+        return None, None
+    first = min(explaining, key=lambda one: one.fit.n_rejecting)
+    others = tuple(one.finding for one in explaining if one is not first)
+    return (
+        SensorFault(
+            finding=first.finding,
+            inseparable=others,
+            question=" ".join(
+                ["The data do not separate this from:", *(o.sentence for o in others)]
+            )
+            if others
+            else "",
+        ),
+        first,
+    )
+
+
+def _try_scale(task: EstimationTask, fit: TestedFit, refit: Refit, name: str) -> list[_Trial]:
+    """Fit with the scale factor of a sensor that its test finds, or with the opposite sign."""
+    scale, trials = 1.0, []
+    for _ in range(_ROUNDS):
+        test = _find_test(fit, Hypothesis.OUTPUT_SCALE, name)
+        if test is None or test.estimate is None:
+            break
+        change = 1.0 + test.estimate
+        if abs(change) < _LEAST_SCALE or abs(scale * change) > 1.0 / _LEAST_SCALE:
+            break
+        scale *= change
+        std = abs(scale * test.estimate) / max(np.sqrt(test.statistic), 1e-6)
+        is_sign = abs(scale + 1.0) < max(_SIGN, 3.0 * std)
+        scale = -1.0 if is_sign else scale
+        correction = Correction(
+            channel=name,
+            kind=StepKind.CALIBRATION,
+            scale=scale,
+            std=std,
+            basis="fit of the model with a scale factor of this sensor",
+        )
+        ratio = format_with_std(scale, std)
+        finding = SensorFinding(
+            kind=FindingKind.SIGN if is_sign else FindingKind.SCALE,
+            channel=name,
+            axis="",
+            value=scale,
+            std=std,
+            gain=None,
+            sentence=f"The sign of {name} is reversed."
+            if is_sign
+            else f"{name} reads {ratio} times the true value.",
+            remedy=f"Reverse {name} in the mapping, or by a calibration with scale factor -1."
+            if is_sign
+            else f"Calibrate {name}.",
+            correction=correction,
+        )
+        trials = _try(task, refit, finding, correction)
+        if not trials or is_sign:
+            break
+        fit = trials[0].fit
+        if abs(test.estimate) < _CONVERGED_SCALE:
+            break
+    return [
+        one
+        for one in trials
+        if abs(one.finding.value - 1.0)
+        > max(_LEAST_SCALE_CHANGE, _LEAST_SIGMAS * (one.finding.std or 0.0))
+    ]
 
 
 # --- Faults of the inputs, by fits with one of them corrected -------------------------------------
@@ -196,20 +335,22 @@ def _search_inputs(
     """Search for the fault of an input that explains why tests reject, most plausible first."""
     recording = task.maneuver_tasks[0].measurement.recording
     channels = {channel.name: (channel, samples) for channel, samples in recording.channels}
-    names = _list_input_channels(task)
+    names, is_rigid = _list_input_channels(task), not task.model.modes.numbers
     trials: list[_Trial] = []
     for name in names:
         channel, samples = channels[name]
         corrected = recording.conditioning.get(name)
-        if corrected is None or corrected.between is None:
+        repeats = find_new_samples(samples) is not None
+        if (corrected is None or corrected.between is None) and (repeats or is_rigid):
             held = _try_between(task, refit, channel, samples)
-            if held and find_new_samples(samples) is not None:
+            if held and repeats:
                 best = min(held, key=lambda one: one.fit.n_rejecting)
                 if best.fit.n_rejecting < fit.n_rejecting:
                     return SensorFault(finding=best.finding), best
             trials += held
     most = _EXPLAINED * min(fit.n_rejecting, 1e6)
-    trials += chain.from_iterable(_try_delay(task, fit, refit, name) for name in names)
+    late = names if is_rigid else _rank(fit, names, (Hypothesis.INPUT_DELAY,))[:1]
+    trials += chain.from_iterable(_try_delay(task, fit, refit, name) for name in late)
     explaining = [one for one in trials if one.fit.n_rejecting <= most]
     if explaining:
         first = explaining[0]
@@ -226,8 +367,44 @@ def _search_inputs(
     for name in names:
         finding = _describe_steps(*channels[name])
         if finding is not None:
+            channel, _ = channels[name]
+            step = finding.value / float(to_si(1.0, channel.unit))
+            smooth = _replace_samples(task, name, partial(_unround, step=step))
+            found = _refit(refit, smooth)
+            trial = None if found is None else _Trial(finding, smooth, found)
+            return SensorFault(finding=finding), trial
+    for name in names:
+        finding = _describe_limits(*channels[name])
+        if finding is not None:
             return SensorFault(finding=finding), None
     return None, None
+
+
+def _replace_samples(
+    task: EstimationTask, name: str, change: Callable[[np.ndarray], np.ndarray]
+) -> EstimationTask:
+    """Replace the samples of a channel, for a comparison alone."""
+
+    def replace_in(one: ManeuverTask) -> ManeuverTask:
+        recording = one.measurement.recording
+        channels = tuple(
+            (channel, change(np.asarray(samples, dtype=float)) if channel.name == name else samples)
+            for channel, samples in recording.channels
+        )
+        measurement = replace(one.measurement, recording=replace(recording, channels=channels))
+        return replace(one, measurement=measurement)
+
+    return replace(task, maneuver_tasks=tuple(replace_in(one) for one in task.maneuver_tasks))
+
+
+def _unround(values: np.ndarray, step: float) -> np.ndarray:
+    """Return the smoothest signal within half a step of rounded samples."""
+    found = values
+    for _ in range(_SMOOTHINGS):
+        padded = np.pad(found, 1, mode="edge")
+        mean = 0.25 * padded[:-2] + 0.5 * found + 0.25 * padded[2:]
+        found = np.clip(mean, values - 0.5 * step, values + 0.5 * step)
+    return found
 
 
 def _try_between(
@@ -275,42 +452,51 @@ def _try(
     return [] if found is None else [_Trial(finding, corrected, found)]
 
 
-def _try_delay(task: EstimationTask, fit: TestedFit, refit: Refit, name: str) -> list[_Trial]:
-    """Fit with an input that acts later, by the test of its delay until that finds none."""
+def _try_delay(
+    task: EstimationTask,
+    fit: TestedFit,
+    refit: Refit,
+    name: str,
+    hypothesis: Hypothesis = Hypothesis.INPUT_DELAY,
+) -> list[_Trial]:
+    """Fit with a delay of a channel removed, by the test of it until that finds none.
+
+    An input that acts later is as one that is recorded earlier.
+    """
+    sign = -1.0 if hypothesis is Hypothesis.INPUT_DELAY else 1.0
     late_s, trials = 0.0, []
     for _ in range(_ROUNDS):
-        test = next(
-            (
-                one
-                for one in fit.adequacy.tests
-                if one.hypothesis == Hypothesis.INPUT_DELAY and one.subject == name
-            ),
-            None,
-        )
+        test = _find_test(fit, hypothesis, name)
         if test is None or test.estimate is None:
             break
         late_s += test.estimate
         if abs(late_s) > LONGEST_DELAY_S or late_s == 0.0:
             break
         std = abs(test.estimate) / max(np.sqrt(test.statistic), 1e-6)
-        way = "after" if late_s > 0.0 else "before"
         size = format_with_std(1e3 * abs(late_s), 1e3 * std)
         correction = Correction(
             channel=name,
             kind=StepKind.DELAY,
-            delay_s=-late_s,
+            delay_s=sign * late_s,
             std=std,
-            basis="fit of the model with a delay of this input",
+            basis="fit of the model with a delay of this channel",
         )
+        if hypothesis is Hypothesis.INPUT_DELAY:
+            way = "after" if late_s > 0.0 else "before"
+            sentence = f"{name} acts {size} ms {way} its recorded deflection."
+            where = "that of its actuator"
+        else:
+            sentence = f"{name} is recorded {size} ms {'late' if late_s > 0.0 else 'early'}."
+            where = "it in its instrument"
         finding = SensorFinding(
             kind=FindingKind.DELAY,
             channel=name,
             axis="",
-            value=-late_s,
+            value=sign * late_s,
             std=std,
             gain=None,
-            sentence=f"{name} acts {size} ms {way} its recorded deflection.",
-            remedy=f"Correct the delay of {name}, or declare that of its actuator.",
+            sentence=sentence,
+            remedy=f"Correct the delay of {name}, or declare {where}.",
             correction=correction,
         )
         trials = _try(task, refit, finding, correction)
@@ -322,8 +508,53 @@ def _try_delay(task: EstimationTask, fit: TestedFit, refit: Refit, name: str) ->
     return [one for one in trials if _matters(one.finding)]
 
 
+def _find_test(fit: TestedFit, hypothesis: Hypothesis, name: str) -> AdequacyTest | None:
+    """Find the test of a hypothesis about a channel."""
+    tests = (t for t in fit.adequacy.tests if t.hypothesis == hypothesis and t.subject == name)
+    return next(tests, None)
+
+
+def _rank(
+    fit: TestedFit, names: Sequence[str], hypotheses: Sequence[Hypothesis]
+) -> tuple[str, ...]:
+    """Rank channels by the largest statistic of their tests that reject, the largest first."""
+    found = {
+        one.subject: one.statistic
+        for one in sorted(fit.adequacy.tests, key=lambda test: test.statistic)
+        if one.rejects and one.subject in names and one.hypothesis in hypotheses
+    }
+    return tuple(sorted(found, key=lambda name: -found[name]))
+
+
 def _matters(finding: SensorFinding) -> bool:
     return abs(finding.value) > max(_LEAST_DELAY_S, _LEAST_SIGMAS * (finding.std or 0.0))
+
+
+def _describe_limits(channel: Channel, samples: np.ndarray) -> SensorFinding | None:
+    """Describe a channel that stops abruptly at its largest or smallest value, and stays there."""
+    x = np.asarray(samples, dtype=float)
+    span = float(np.ptp(x))
+    at_limit = np.zeros(x.size, dtype=bool)
+    for limit in (x.min(), x.max()):
+        edges = np.flatnonzero(np.diff(np.r_[False, x == limit, False]))
+        for first, stop in edges.reshape(-1, 2):
+            is_inside = first > 0 and stop < x.size and stop - first >= _SHORTEST_LIMIT
+            if is_inside and min(abs(x[first - 1] - limit), abs(x[stop] - limit)) > _ABRUPT * span:
+                at_limit[first:stop] = True
+    share = float(at_limit.mean())
+    if not share > 0.0:
+        return None
+    return SensorFinding(
+        kind=FindingKind.CLIPPED,
+        channel=channel.name,
+        axis="",
+        value=share,
+        std=None,
+        gain=None,
+        sentence=f"{channel.name} stops abruptly at its limits, for {100.0 * share:.2g} % of its "
+        "samples, as if it was clipped.",
+        remedy=f"Record {channel.name} with a larger range if its surface moves further.",
+    )
 
 
 def _describe_steps(channel: Channel, samples: np.ndarray) -> SensorFinding | None:

@@ -1,4 +1,4 @@
-"""Channels and spectra of one maneuver, with stored corrections, and the drift of its airspeed.
+"""Channels and spectra of one maneuver, with stored corrections, and the spread of its condition.
 
 Recorded samples are never changed: steps are stored separately, and an undone step has no
 effect but stays in the record.
@@ -16,7 +16,15 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
-from flexsid.records.maneuver import Channel, ConditioningStep, Correction, Maneuver, Role, StepKind
+from flexsid.records.maneuver import (
+    Channel,
+    Condition,
+    ConditioningStep,
+    Correction,
+    Maneuver,
+    Role,
+    StepKind,
+)
 from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
@@ -125,6 +133,29 @@ def _add_to_maneuver(
         )
         steps.append(store.conditioning.add(step))
     return steps
+
+
+def take_named_corrections(store: Store, run_id: int, author: str = "") -> list[ConditioningStep]:
+    """Store the corrections of the causes that a run names; return those of its maneuver.
+
+    Those of a recorder hold for all maneuvers of the aircraft with the channel.
+
+    Raises
+    ------
+    BadInput
+        If the run names no cause that a correction removes.
+    Conflict
+        If a channel has a delay or calibration already: undo that first.
+    """
+    run = store.runs.get(run_id)
+    causes = () if run.result is None else run.result.adequacy.causes
+    found = [one.finding.correction for one in causes if one.finding.correction is not None]
+    if not found:
+        raise BadInput(
+            f"run {run_id} names no cause that a correction removes", code="no-correction"
+        )
+    shared = [replace(one, is_shared=one.kind is not StepKind.REPAIR) for one in found]
+    return add_conditioning_steps(store, run.maneuver_id, shared, author)
 
 
 def add_shared_corrections(store: Store, maneuver: Maneuver) -> None:
@@ -417,7 +448,7 @@ def _assign_inputs(
     return SpectrumFrequencies(frequencies.omega, assigned_input, inputs)
 
 
-# --- Drift of the airspeed over a maneuver, which models of one flight condition do not have ------
+# --- Spread of the condition over a maneuver, which models of one flight condition do not have ----
 
 MAX_AIRSPEED_DRIFT = 0.03
 """Relative drift of airspeed; dynamic pressure drifts twice as much."""
@@ -434,6 +465,37 @@ def compute_drift(values: Float[np.ndarray, " n"]) -> float:
     return slope * (values.size - 1)
 
 
+_PARTS = 8  # of a record, whose means have little noise of the sensor
+
+
+def widen_by_spread(
+    store: Store, aircraft: Aircraft, maneuver: Maneuver
+) -> tuple[Aircraft, Condition]:
+    """Widen the errors of mass, airspeed and density by their spread over the record.
+
+    A model has one condition: a derivative is that of any condition within the spread, which
+    is the standard deviation of the means of eight parts of the record.
+    """
+    known = {one.name for one in store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)}
+    names = sorted(known.intersection(("airspeed", "density", "fuel_fraction")))
+    spread = dict.fromkeys(("airspeed", "density", "fuel_fraction"), 0.0)
+    for channel, values in load_channels(store, maneuver.id, names):
+        parts = np.array_split(values, _PARTS) if values.size >= _PARTS else []
+        spread[channel.name] = float(np.std([np.mean(part) for part in parts])) if parts else 0.0
+    condition, table = maneuver.condition, aircraft.mass
+    fuel = condition.fuel_fraction + np.array([-1.0, 1.0]) * spread["fuel_fraction"]
+    of_mass = np.ptp(np.interp(fuel, table.fuel, table.mass_kg)) / (2.0 * condition.mass_kg)
+    own = spread["airspeed"] / condition.airspeed_m_s, spread["density"] / condition.density_kg_m3
+    return (
+        replace(aircraft, mass=replace(table, mass_std=float(np.hypot(table.mass_std, of_mass)))),
+        replace(
+            condition,
+            airspeed_std=float(np.hypot(condition.airspeed_std, own[0])),
+            density_std=float(np.hypot(condition.density_std, own[1])),
+        ),
+    )
+
+
 def warn_of_airspeed_drift(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
     """Warn of a recorded airspeed that is not that of one condition."""
     known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
@@ -443,7 +505,7 @@ def warn_of_airspeed_drift(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
     mean, drift = float(np.mean(values)), compute_drift(values)
     if not abs(drift) > MAX_AIRSPEED_DRIFT * abs(mean):
         return ()
-    what = "may be biased"
+    what = "may be biased, and their standard errors include this drift"
     if abs(drift) > UNUSABLE_DRIFT * abs(mean):
         what = "are those of no condition: use a shorter part of the record"
     return (

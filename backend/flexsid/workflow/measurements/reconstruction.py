@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -24,11 +25,13 @@ from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     get_output_instrument,
 )
-from flexsid.workflow.measurements.maneuver_spectra import load_channels
+from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_conditioning
 from flexsid.workflow.measurements.recording import (
     SHORTEST_TRIM_S,
+    Conditioning,
     MeasuredSpectra,
     remove_trim,
+    respond_between,
 )
 from flexsid.workflow.measurements.sensor_responses import (
     SensorData,
@@ -136,11 +139,15 @@ def smooth(
     sensors: dict[str, Response] = {
         o.name: get_output_instrument(aircraft, o).response for o in sensing.outputs
     }
-    surfaces: dict[str, Response] = {
-        name: lambda omega, name=name: 1.0 / compute_input_correction(aircraft, name, omega)
-        for name in model.inputs
-    }
-    recorded = load_channels(store, maneuver.id, [*sensors, *surfaces])
+    recorded = load_channels(store, maneuver.id, [*sensors, *model.inputs])
+    steps = read_conditioning(store, maneuver.id)
+    rates = {channel.name: channel.rate_hz for channel, _ in recorded}
+
+    def respond(name: str, omega: np.ndarray) -> np.ndarray:
+        between = respond_between(omega / rates[name], steps.get(name, Conditioning()).between)
+        return 1.0 / (compute_input_correction(aircraft, name, omega) * between)
+
+    surfaces: dict[str, Response] = {name: partial(respond, name) for name in model.inputs}
     start_s = max(channel.start_s for channel, _ in recorded)
     stop_s = min(channel.stop_s for channel, _ in recorded)
     count = int((stop_s - start_s) * rate_hz)

@@ -227,7 +227,7 @@ class Recording:
             if self.window_s is None:
                 is_attitude = np.array([name in self.attitudes for name in group])
                 transform = _transform(samples, rate_hz, start_s, self.maneuver, omega, is_attitude)
-                transform *= _respond_between(omega / rate_hz, between)[:, None]
+                transform *= respond_between(omega / rate_hz, between)[:, None]
             else:
                 begin_s, last_s = self.window_s
                 window = begin_s + lag_s, last_s + lag_s
@@ -255,7 +255,7 @@ class Recording:
         return one.correct(np.asarray(values, dtype=float), channel.rate_hz)
 
 
-def _respond_between(theta: np.ndarray, between: BetweenSamples | None) -> np.ndarray:
+def respond_between(theta: np.ndarray, between: BetweenSamples | None) -> np.ndarray:
     """Return the transform of a held or linear signal over the sum of its samples."""
     if between is BetweenSamples.HELD:
         return np.sinc(theta / (2.0 * np.pi)) * np.exp(-0.5j * theta)

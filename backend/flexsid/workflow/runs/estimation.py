@@ -83,7 +83,11 @@ from flexsid.workflow.fits.run_warnings import (
     warn_of_unknown_modes,
 )
 from flexsid.workflow.measurements.flight_records import read_flight_record
-from flexsid.workflow.measurements.maneuver_spectra import read_measurement, warn_of_airspeed_drift
+from flexsid.workflow.measurements.maneuver_spectra import (
+    read_measurement,
+    warn_of_airspeed_drift,
+    widen_by_spread,
+)
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.measurements.sensor_faults import RecordedSensors
@@ -421,10 +425,12 @@ def _prepare_maneuver(
         opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
         pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
 
+    wrong_conditions = list_wrong_conditions(*widen_by_spread(store, aircraft, maneuver))
+
     def build_wrong_models(shapes: StructuralModes) -> dict[str, AeroelasticModel]:
         return {
             cause: build_model(aircraft, condition, shapes, inputs, outputs, body)
-            for cause, condition in list_wrong_conditions(aircraft, maneuver.condition).items()
+            for cause, condition in wrong_conditions.items()
         }
 
     if retained:
@@ -439,20 +445,22 @@ def _prepare_maneuver(
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
     own_model = extended.with_modes(len(own))
     wrong = build_wrong_models(modes.table.at(fuel).select(own))
-    sensors = None
-    if with_opposed and not modes.names:
-        sensors = _read_sensors(store, maneuver)
+    sensors = _read_sensors(store, maneuver, is_rigid=not modes.names) if with_opposed else None
     return ManeuverTask(
         maneuver.label, own_model, extended, measurement, opposed, pairs, wrong, sensors
     )
 
 
-def _read_sensors(store: Store, maneuver: Maneuver) -> RecordedSensors | None:
-    """Read the sensors of a rigid aircraft that kinematics compare; None where there are none."""
+def _read_sensors(store: Store, maneuver: Maneuver, *, is_rigid: bool) -> RecordedSensors | None:
+    """Read the sensors that kinematics compare; None where there are none.
+
+    Of a flexible aircraft only what the samples alone show.
+    """
     try:
-        return read_flight_record(store, maneuver)
+        found = read_flight_record(store, maneuver)
     except BadInput:
         return None
+    return found if is_rigid else replace(found, record=found.record.select(frozenset()))
 
 
 def _prepare_opposed_axis(

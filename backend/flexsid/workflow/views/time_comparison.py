@@ -32,8 +32,13 @@ from flexsid.workflow.aircraft.aircraft_models import (
     get_recorded_servo,
     insert_instruments,
 )
-from flexsid.workflow.measurements.maneuver_spectra import load_channels
-from flexsid.workflow.measurements.recording import COMMAND_SUFFIX, remove_trim
+from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_conditioning
+from flexsid.workflow.measurements.recording import (
+    COMMAND_SUFFIX,
+    Conditioning,
+    remove_trim,
+    respond_between,
+)
 from flexsid.workflow.runs.exports import IdentifiedModel, load_identified_model
 from flexsid.workflow.views.maneuver import POINTS, list_input_names, read_traces
 
@@ -98,8 +103,14 @@ def _simulate(
         )
     recorded = np.stack([values for _, values in inputs], axis=1)
 
+    steps = read_conditioning(store, maneuver.id)
+
     def correct(omega: np.ndarray) -> np.ndarray:
-        return compute_input_corrections(aircraft, found.model.inputs, omega)
+        factors = compute_input_corrections(aircraft, found.model.inputs, omega)
+        between = [steps.get(name, Conditioning()).between for name in found.model.inputs]
+        return factors * np.stack(
+            [respond_between(omega / first.rate_hz, one) for one in between], axis=1
+        )
 
     definitions = define_outputs(aircraft, found.model.outputs)
 

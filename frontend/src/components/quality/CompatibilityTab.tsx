@@ -8,6 +8,7 @@ import { useConversion } from "../../api/units";
 import { fixed, withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
 import { ConditioningSteps } from "./ConditioningSteps";
+import { TAKE } from "./corrections";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Empty } from "../display/Empty";
 import { Loaded } from "../display/Loaded";
@@ -99,13 +100,6 @@ function Report({ id, report }: { id: number; report: Compatibility }) {
     </Stack>
   );
 }
-
-const TAKE = {
-  delay: "Correct the delay of",
-  calibration: "Calibrate",
-  repair: "Repair",
-  interpolation: "Interpolate",
-};
 
 /** Corrections of the faults, one click each, and those made. */
 function Corrections({ id, faults }: { id: number; faults: SensorFault[] }) {

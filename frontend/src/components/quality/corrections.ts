@@ -1,6 +1,14 @@
 /** Corrections that follow from what was found about channels. */
 import type { ChannelQuality, StepRequest } from "../../api/types";
 
+/** What a correction of each kind does to a channel. */
+export const TAKE = {
+  delay: "Correct the delay of",
+  calibration: "Calibrate",
+  repair: "Repair",
+  interpolation: "Interpolate",
+};
+
 const NONE = {
   delay_s: 0,
   scale: 1,
