@@ -631,7 +631,7 @@ def _read_held_out_fit(
     store: Store, outputs: tuple[str, ...] = (), maneuver_id: int | None = None, **query: Any
 ) -> FitPlot:
     found = get_result(store, CROSS_VALIDATION, CrossValidationQuery(**query))
-    return read_held_out_fit(found, maneuver_id, outputs)
+    return read_held_out_fit(store, found, maneuver_id, outputs)
 
 
 def _compute_held_out_residuals(

@@ -36,6 +36,9 @@ Report = Callable[[float, str], None]
 
 SEED = 28
 
+RECORD, REPEAT = "1-04 FTA 506", "5-01 FTA 506"
+"""Maneuver of the first sheet, and the one that repeats it at another fuel."""
+
 
 @dataclass(frozen=True, slots=True)
 class Card:
@@ -225,8 +228,17 @@ def _find_missing(
         if not unsteady:
             records += _simulate_ground_records(sortie, seed)
         missing += [(flight.id, one) for one in records if one.keywords["label"] not in present]
-    # Ground records last, so that the cards have the first numbers.
-    return sorted(missing, key=lambda entry: entry[1].func is simulate_ground_test)
+    # First what the first sheet rests on; ground records last, so that cards have low numbers.
+    labels = [simulate.keywords["label"] for _, simulate in missing]
+    n_first = labels.index(RECORD) + 1 if RECORD in labels else 0
+
+    def rank(entry: tuple[int, tuple[int, _Simulation]]) -> int:
+        place, (_, simulate) = entry
+        if place < n_first or simulate.keywords["label"] == REPEAT:
+            return 0
+        return 2 if simulate.func is simulate_ground_test else 1
+
+    return [entry for _, entry in sorted(enumerate(missing), key=rank)]
 
 
 def _simulate_cards(sortie: Sortie, seed: int, *, unsteady: bool) -> Iterator[_Simulation]:

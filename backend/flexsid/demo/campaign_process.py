@@ -15,7 +15,7 @@ from contextlib import closing, suppress
 from multiprocessing.connection import Connection
 from types import FrameType
 
-from flexsid.demo.campaign import Report, add_campaign
+from flexsid.demo.campaign import RECORD, REPEAT, Report, add_campaign
 from flexsid.demo.flex28 import NAME
 from flexsid.demo.independent_surfaces import add_independent
 from flexsid.demo.transport import add_transport
@@ -37,9 +37,6 @@ from flexsid.workflow.runs.run_proposal import attach_proposal_basis
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 
 # --- The sheet on which the demonstration opens: its runs, proposal and predictions ---------------
-
-RECORD, REPEAT = "1-04 FTA 506", "5-01 FTA 506"
-"""Maneuver of the sheet, and the one that repeats it at another fuel."""
 
 SMALLER, PROPOSAL = "SP + SW1B", "SP + SW1B + SW1T"
 """Model structures: the one that is proposed, and the one that it changes."""

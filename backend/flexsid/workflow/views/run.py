@@ -46,6 +46,7 @@ from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_proposal import set_default_band
 from flexsid.workflow.views.maneuver import (
     CLEAR_OF_NYQUIST,
+    find_assigned_inputs,
     find_sampling,
     list_input_names,
     read_traces,
@@ -78,15 +79,19 @@ def read_fit(
     selected = _get_block(run, result, block)
     names = outputs or selected.outputs[:_SHOWN_FIRST]
     omega, measured, fitted = _read_spectra(store, selected)
+    frequency_hz = omega / (2.0 * np.pi)
+    maneuver = store.maneuvers.get(run.maneuver_id)
     return FitPlot(
         run_id=run_id,
         method=run.method,
         block=selected.name,
-        frequency_hz=omega / (2.0 * np.pi),
+        frequency_hz=frequency_hz,
         traces=tuple(
             _build_trace(run, result, selected, name, measured, fitted)
             for name in dict.fromkeys(names)
         ),
+        inputs=list_input_names(store, maneuver),
+        assigned_inputs=find_assigned_inputs(maneuver, frequency_hz),
     )
 
 
@@ -108,7 +113,9 @@ def _build_trace(
     column = block.outputs.index(output)
     z, y = measured[:, column], fitted[:, column]
     responses = run.method is Method.FRE
-    phase = np.unwrap(np.angle(z)) if responses else np.angle(z)
+    # Responses are unwrapped along the model, which has no noise; the data are next to it.
+    model = np.unwrap(np.angle(y))
+    phase = model + np.angle(z * y.conj()) if responses else np.angle(z)
     return FitTrace(
         output=output,
         unit=describe(output).unit,
@@ -116,8 +123,7 @@ def _build_trace(
         measured_magnitude=np.abs(z),
         measured_phase_rad=phase,
         fitted_magnitude=np.abs(y),
-        # unwrapped to the measured phase
-        fitted_phase_rad=phase + np.angle(y * z.conj()),
+        fitted_phase_rad=model if responses else phase + np.angle(y * z.conj()),
         r_squared=_get_r_squared(result, block.name, output),
     )
 
