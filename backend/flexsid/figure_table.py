@@ -349,6 +349,7 @@ class _Correlation(_RunWithSelection):
 class _ConditionDerivatives(QueryParameters):
     condition_id: _Id
     truth: bool = Field(False, description="With the true values of a simulated aircraft.")
+    figure_id: _Id | None = Field(None, description="Sheet that was frozen with a decision.")
     selected: _Text = Field(None, max_length=64, description="Derivative to emphasise.")
 
 

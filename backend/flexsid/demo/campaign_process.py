@@ -1,7 +1,7 @@
 """Process that simulates the demonstration while the server runs, first of all its first sheet.
 
-They are requested as soon as their maneuvers are stored, while the rest of the campaign is
-simulated at the lowest priority.
+Its maneuvers are simulated first, and its runs requested as soon as they are stored, while the rest
+of the campaign is simulated at the lowest priority.
 """
 
 from __future__ import annotations
@@ -70,6 +70,11 @@ class FirstSheet:
         self._had_record = find_record(store) is not None
         self._runs: dict[tuple[str, Method, str], int] = {}
         self._is_proposed = False
+
+    @property
+    def has_records(self) -> bool:
+        """Whether the maneuvers of the sheet are stored, so that the rest can wait."""
+        return self._had_record or len(self._runs) == _N_RUNS
 
     def advance(self) -> None:
         """Request what can be requested now; nothing where the record was there before."""
@@ -166,9 +171,9 @@ class FirstSheet:
 # --- All that the demonstration has: the campaign of FLEX-28, and aircraft with other motions -----
 
 
-def add_demonstration(store: Store, report: Report, *, unsteady: bool) -> None:
+def add_demonstration(store: Store, report: Report, *, unsteady: bool, niceness: int = 0) -> None:
     """Simulate and store what is missing, with the arguments of ``add_campaign``."""
-    add_campaign(store, report, unsteady=unsteady)
+    add_campaign(store, report, unsteady=unsteady, niceness=niceness)
     add_transport(store)
     add_independent(store)
 
@@ -176,7 +181,9 @@ def add_demonstration(store: Store, report: Report, *, unsteady: bool) -> None:
 # --- Process that simulates the demonstration aircraft while the server runs ----------------------
 
 _STOP_S = 5.0  # longer than the simulation of one maneuver
-_NICE = 19  # runs and pages have priority: the first run of a new user took 64 s, others 5 s
+_NICE = 19
+"""Once the first sheet has its maneuvers, runs and pages have priority: the first run of a new user
+took 64 s, others 5 s."""
 
 
 class CampaignProcess:
@@ -248,8 +255,6 @@ def _describe(state: PartState, text: str) -> PartHealth:
 
 def main(arguments: list[str]) -> None:
     """Add the campaign; connection and lifeline are given by file descriptor."""
-    if hasattr(os, "nice"):
-        os.nice(_NICE)
     connection, lifeline = Connection(int(arguments[0])), int(arguments[1])
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt_once)
@@ -262,9 +267,11 @@ def main(arguments: list[str]) -> None:
             def report(fraction: float, message: str) -> None:
                 if sheet is not None:
                     sheet.advance()
+                if hasattr(os, "nice") and (sheet is None or sheet.has_records):
+                    os.nice(_NICE - os.nice(0))
                 connection.send((fraction, message))
 
-            add_demonstration(store, report, unsteady=unsteady)
+            add_demonstration(store, report, unsteady=unsteady, niceness=_NICE)
             if sheet is not None:
                 sheet.finish()
     except FlexsidError as error:

@@ -21,7 +21,6 @@ from flexsid.figures.spec import (
     line_at,
     plane,
     scatter,
-    text_at,
     title,
 )
 from flexsid.figures.style import format_axis_title, format_unit, get_family, parameter_label
@@ -55,8 +54,10 @@ def draw_derivatives(value: Comparison) -> Spec:
     panels = [list(group) for _, group in groupby(value.rows, key=lambda row: get_family(row.name))]
     looks = select_styles(value.sources)
     layout: Spec = {
-        "showlegend": True, "hovermode": "closest", "meta": {"rows": 1.5}, "annotations": [],
-    }  # fmt: skip
+        "showlegend": True,
+        "hovermode": "closest",
+        "meta": {"rows": 1.5, "least_width": 620},
+    }
     data: list[Spec] = []
     left = 0.0
     room = 1.0 - _GAP * (len(panels) - 1)
@@ -74,10 +75,9 @@ def draw_derivatives(value: Comparison) -> Spec:
             "range": [-0.6, len(panel) - 0.4],
             "showgrid": False,
             "zeroline": False,
+            # below its panel: beside it, a unit would lie on the ticks of the next
+            **title(format_unit(panel[0].name)),
         }
-        # The unit stands above its panel: beside it, it would lie on the ticks of the next.
-        unit = text_at(left, 1.0, format_unit(panel[0].name), "left", "bottom", {"size": 11})
-        layout["annotations"].append(unit)
         layout[layout_key(number)] = {"anchor": axis(number, "x"), "zeroline": True}
         for index, source in enumerate(value.sources):
             offset = _SPREAD * ((index + 0.5) / len(value.sources) - 0.5)

@@ -47,12 +47,12 @@ from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     select_free_parameters,
 )
+from flexsid.workflow.measurements.recording import find_assigned_inputs
 from flexsid.workflow.model_structures.model_structures import get_result, resolve_structure
 from flexsid.workflow.runs.estimation import prepare, select_inputs_and_outputs
 from flexsid.workflow.runs.exports import collect_values
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.runs.run_proposal import set_default_band
-from flexsid.workflow.views.maneuver import find_assigned_inputs, list_input_names
 
 # --- Prediction of the measured outputs of a maneuver by the identified model of a run ------------
 
@@ -462,7 +462,7 @@ def _plot(
         frequency_hz=frequency_hz,
         traces=tuple(traces),
         curve="predicted",
-        inputs=list_input_names(store, maneuver),
+        inputs=() if maneuver.excitation is None else tuple(maneuver.excitation.harmonics),
         assigned_inputs=find_assigned_inputs(maneuver, frequency_hz),
     )
 

@@ -121,25 +121,10 @@ def _rank(sensor: Sensor) -> tuple[int, bool]:
     return rank, sensor.axis != sensor.model.usual_axis and not known
 
 
-_SAME_HARMONIC = 1e-6  # distance from a harmonic, in units of the fundamental frequency
-
-
 def list_input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
     """List the measured surfaces of a maneuver, in the order of the recorder."""
     measured = store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)
     return tuple(channel.name for channel in measured)
-
-
-def find_assigned_inputs(maneuver: Maneuver, frequency_hz: np.ndarray) -> tuple[str, ...]:
-    """Find the input that excites each frequency (M,), empty where none does. [Hz]"""
-    excitation = maneuver.excitation
-    if excitation is None:
-        return ("",) * frequency_hz.size
-    assigned = {n: name for name, own in excitation.harmonics.items() for n in own}
-    order = frequency_hz * excitation.period_s
-    return tuple(
-        assigned.get(round(n), "") if abs(n - round(n)) < _SAME_HARMONIC else "" for n in order
-    )
 
 
 def read_traces(

@@ -40,13 +40,12 @@ from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
-from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.measurements.recording import find_assigned_inputs, select_frequencies
 from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_proposal import set_default_band
 from flexsid.workflow.views.maneuver import (
     CLEAR_OF_NYQUIST,
-    find_assigned_inputs,
     find_sampling,
     list_input_names,
     read_traces,
@@ -90,7 +89,7 @@ def read_fit(
             _build_trace(run, result, selected, name, measured, fitted)
             for name in dict.fromkeys(names)
         ),
-        inputs=list_input_names(store, maneuver),
+        inputs=() if maneuver.excitation is None else tuple(maneuver.excitation.harmonics),
         assigned_inputs=find_assigned_inputs(maneuver, frequency_hz),
     )
 
