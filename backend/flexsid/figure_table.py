@@ -349,6 +349,7 @@ class _Correlation(_RunWithSelection):
 class _ConditionDerivatives(QueryParameters):
     condition_id: _Id
     truth: bool = Field(False, description="With the true values of a simulated aircraft.")
+    figure_id: _Id | None = Field(None, description="Sheet that was frozen with a decision.")
     selected: _Text = Field(None, max_length=64, description="Derivative to emphasise.")
 
 
@@ -631,7 +632,7 @@ def _read_held_out_fit(
     store: Store, outputs: tuple[str, ...] = (), maneuver_id: int | None = None, **query: Any
 ) -> FitPlot:
     found = get_result(store, CROSS_VALIDATION, CrossValidationQuery(**query))
-    return read_held_out_fit(found, maneuver_id, outputs)
+    return read_held_out_fit(store, found, maneuver_id, outputs)
 
 
 def _compute_held_out_residuals(

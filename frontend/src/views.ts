@@ -187,6 +187,8 @@ export const conditionView = view((search) => ({
   /** Absolute values in panels of their own, instead of deviations. */
   absolute: flag(search.absolute),
   truth: flag(search.truth),
+  /** Sheet that was frozen with a decision, in place of the current one. */
+  frozen: integer(search.frozen),
 }));
 export type ConditionView = ReturnType<typeof conditionView>;
 

@@ -231,6 +231,50 @@ def test_frozen_figure_is_stored(act: Act) -> None:
         assert refused.headers["content-type"] == "application/problem+json"
 
 
+def test_a_decision_freezes_the_sheet_that_it_was_made_on(act: Act) -> None:
+    decision = propose(act)
+    assert decision["sheets"] == []
+    before = act("Bo", "get", "conditions/1/sheet").json()
+    (sheet,) = vote(act, "Bo", decision).json()["sheets"]
+    assert (sheet["kind"], sheet["query"]) == ("condition-sheet", "condition_id=1")
+    frozen = f"conditions/1/sheet?figure_id={sheet['id']}"
+    assert act("Bo", "get", frozen).json() == before
+    act("Cy", "post", "runs", {"maneuver_id": 1, "method": "FRE"})
+    assert act("Bo", "get", "conditions/1/sheet").json() != before
+    assert act("Bo", "get", frozen).json() == before
+    drawn = f"figures/condition-derivatives?condition_id=1&figure_id={sheet['id']}"
+    assert act("Bo", "get", drawn).status_code == 200
+    (audited,) = act("Bo", "get", f"decisions/{decision['id']}/audit").json()["decisions"]
+    sealed = audited["events"][-1]["data"]
+    assert sealed[f"sheet {sheet['id']}"] == sheet["array"]
+    assert not any("sheet" in name for name in audited["changed_since"])
+    figure = act(
+        "Ann", "post", "frozen-figures", {"kind": "fit", "query": "run_id=1", "title": "f"}
+    )
+    other = act("Bo", "get", f"conditions/1/sheet?figure_id={figure.json()['id']}")
+    assert (other.status_code, other.json()["code"]) == (422, "not-a-sheet")
+
+
+@pytest.mark.parametrize("path", ["runs/1", "conditions/1"])
+def test_a_notebook_reads_what_its_address_names(client: TestClient, path: str) -> None:
+    found = client.get(f"{API}/{path}/notebook")
+    assert found.headers["content-type"].startswith("application/x-ipynb+json")
+    notebook = found.json()
+    assert notebook["nbformat"] == 4
+    code = ["".join(one["source"]) for one in notebook["cells"] if one["cell_type"] == "code"]
+    for cell in code:
+        compile(cell, path, "exec")
+    assert "Workbench('http" in code[0]
+
+
+def test_derivatives_of_a_sheet_are_a_table(client: TestClient) -> None:
+    sheet = client.get(f"{API}/conditions/1/sheet").json()
+    head, *lines = client.get(f"{API}/conditions/1/derivatives").text.splitlines()
+    assert head.startswith("name,unit,source,value,std_error")
+    values = [one for row in sheet["rows"] for one in row["values"] if one is not None]
+    assert len(lines) == len(values) > 0
+
+
 def test_notifications_list_awaiting_reviews_and_changes(act: Act) -> None:
     def list_notifications(name: str) -> tuple[list[str], list[str]]:
         found = act(name, "get", "notifications").json()

@@ -12,7 +12,8 @@ from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
 from flexsid.api.app import add_page
-from flexsid.demo.campaign_process import AUTHOR, RECORD, FirstSheet, find_record
+from flexsid.demo.campaign import RECORD
+from flexsid.demo.campaign_process import AUTHOR, FirstSheet, find_record
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
 

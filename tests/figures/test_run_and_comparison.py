@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,19 @@ def test_fit_puts_the_model_over_the_data(drawable, numbers):
     assert numbers(phase["y"]) == pytest.approx([0.0, 90.0, 180.0])
     assert "[g s]" in spec["layout"]["yaxis"]["title"]["text"]
     assert spec["layout"]["annotations"][0]["text"] == "R² = 0.987"
+
+
+def test_fit_of_spectra_joins_the_harmonics_of_each_input(drawable, numbers):
+    plot = replace(
+        fit_plot(Method.EE, None), inputs=("bfs", "wf4s"), assigned_inputs=("wf4s", "bfs", "wf4s")
+    )
+    spec = draw_fit(plot)
+    drawable(spec)
+    curves = [one for one in spec["data"] if one["mode"] == "lines"]
+    assert [numbers(one["x"]) for one in curves] == [[2.0], [1.0, 3.0]]
+    assert curves[0]["line"]["color"] != curves[1]["line"]["color"]
+    listed = [one["name"] for one in spec["data"] if one["showlegend"]]
+    assert len(listed) == len(set(listed)) == 2
 
 
 def test_fit_of_frequency_responses_is_output_over_input(drawable, numbers):

@@ -133,11 +133,11 @@ def test_held_out_frequencies_are_predicted_as_well_as_fitted_ones(
     assert "2-fold" in found.summary.sentence
     assert seen == sorted(seen)
     output = found.summary.outputs[3].output
-    (trace,) = read_held_out_fit(found, outputs=[output]).traces
+    (trace,) = read_held_out_fit(store, found, outputs=[output]).traces
     assert trace.r_squared == pytest.approx(found.summary.outputs[3].r_squared)
     assert np.isfinite(compute_held_out_residuals(found).relative).all()
     with pytest.raises(BadInput, match="not fitted to maneuver 2"):
-        read_held_out_fit(found, maneuver_id=2)
+        read_held_out_fit(store, found, maneuver_id=2)
 
 
 def test_held_out_periods_are_predicted(store: Store, estimate: Estimate):

@@ -100,6 +100,13 @@ def respond_with_figure(spec: dict[str, Any], form: Form) -> Response:
     return Json(spec)
 
 
+NOTEBOOK_TYPE = "application/x-ipynb+json"
+NOTEBOOK: dict[int | str, dict[str, Any]] = {
+    200: {"content": {NOTEBOOK_TYPE: {"schema": {"type": "string"}}}}
+}
+"""Description of a response that is a notebook."""
+
+
 def make_file_response(content: bytes, media_type: str) -> Response:
     """Return a file to download."""
     # Without a file name: the page names the download.

@@ -295,6 +295,7 @@ def _format_report(found: CompatibilityReport) -> Iterator[str]:
         yield f"  {fault.finding.sentence} {fault.finding.remedy}"
         if fault.question:
             yield f"    {fault.question}"
+    yield f"  {_ERRORS}"
     yield f"  {'sensor':<16}{'delay [ms]':>18}{'scale':>18}{'arm [m]':>18}"
     for one in found.sensors:
         yield f"  {one.name:<16}{_format_values(one)}"
@@ -309,6 +310,9 @@ def _format_values(one: SensorEstimate) -> str:
         _format(one.arm_m, one.arm_std_m),
     )
     return "".join(f"{cell:>18}" for cell in cells)
+
+
+_ERRORS = "Values ± one standard error."
 
 
 def _format(value: float | None, std: float | None, factor: float = 1.0) -> str:
@@ -342,6 +346,7 @@ def identify_output_only(settings: Settings, arguments: argparse.Namespace) -> i
 def _format_modes(found: OutputOnlyResult) -> Iterator[str]:
     low, high = found.band_hz
     yield f"maneuver {found.maneuver_id}, {found.duration_s:.0f} s, {low:.3g} to {high:.3g} Hz"
+    yield f"  {_ERRORS}"
     yield f"  {'mode':<12}{'frequency [Hz]':>22}{'damping ratio':>22}{'MAC':>8}"
     for mode in found.modes:
         frequency = _format(mode.frequency_hz, mode.frequency_std_hz)
@@ -383,7 +388,7 @@ def fit_transfer_functions(settings: Settings, arguments: argparse.Namespace) ->
 
 def _format_function(found: TransferFunction) -> Iterator[str]:
     yield f"maneuver {found.maneuver_id}, {found.band_hz[0]:.3g} to {found.band_hz[1]:.3g} Hz"
-    yield f"  {found.sentence}"
+    yield f"  {found.sentence} {_ERRORS}"
     yield f"  {'gain':<24}{found.gain:>12.5g} ± {found.gain_std:.2g}"
     if found.has_delay:
         yield f"  {'equivalent delay [s]':<24}{found.delay_s:>12.5g} ± {found.delay_std_s:.2g}"

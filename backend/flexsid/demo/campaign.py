@@ -36,6 +36,9 @@ Report = Callable[[float, str], None]
 
 SEED = 28
 
+RECORD, REPEAT = "1-04 FTA 506", "5-01 FTA 506"
+"""Maneuver of the first sheet, and the one that repeats it at another fuel."""
+
 
 @dataclass(frozen=True, slots=True)
 class Card:
@@ -138,7 +141,12 @@ _BETWEEN_CARDS_S = 90.0
 
 
 def add_campaign(
-    store: Store, report: Report | None = None, seed: int = SEED, *, unsteady: bool = False
+    store: Store,
+    report: Report | None = None,
+    seed: int = SEED,
+    *,
+    unsteady: bool = False,
+    niceness: int = 0,
 ) -> int:
     """Simulate and store the missing maneuvers of the campaign.
 
@@ -152,6 +160,8 @@ def add_campaign(
         The same seed gives the same samples.
     unsteady
         True for the campaign of FLEX-28U, whose air forces lag the motion.
+    niceness
+        Of the processes that simulate, once they have those of the first sheet.
 
     Returns
     -------
@@ -167,7 +177,7 @@ def add_campaign(
         report_progress(0.0, f"{len(missing)} maneuvers to simulate")
     else:
         report_progress(1.0, "the campaign is complete")
-    flown = _fly_all([simulate for _, simulate in missing])
+    flown = _fly_all([simulate for _, simulate in missing], niceness)
     for count, ((flight_id, _), one) in enumerate(zip(missing, flown, strict=True), start=1):
         maneuver = add_maneuver(store, one, flight_id)
         report_progress(
@@ -225,8 +235,17 @@ def _find_missing(
         if not unsteady:
             records += _simulate_ground_records(sortie, seed)
         missing += [(flight.id, one) for one in records if one.keywords["label"] not in present]
-    # Ground records last, so that the cards have the first numbers.
-    return sorted(missing, key=lambda entry: entry[1].func is simulate_ground_test)
+    # First what the first sheet rests on; ground records last, so that cards have low numbers.
+    labels = [simulate.keywords["label"] for _, simulate in missing]
+    n_first = labels.index(RECORD) + 1 if RECORD in labels else 0
+
+    def rank(entry: tuple[int, tuple[int, _Simulation]]) -> int:
+        place, (_, simulate) = entry
+        if place < n_first or simulate.keywords["label"] == REPEAT:
+            return 0
+        return 2 if simulate.func is simulate_ground_test else 1
+
+    return [entry for _, entry in sorted(enumerate(missing), key=rank)]
 
 
 def _simulate_cards(sortie: Sortie, seed: int, *, unsteady: bool) -> Iterator[_Simulation]:
@@ -280,7 +299,9 @@ def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
     )
 
 
-def _simulate(one: _Simulation) -> FlownManeuver:
+def _simulate(one: _Simulation, niceness: int = 0) -> FlownManeuver:
+    if niceness and hasattr(os, "nice"):
+        os.nice(niceness - os.nice(0))
     return one()
 
 
@@ -290,18 +311,21 @@ def _prepare_process() -> None:
     threadpool_limits(1)
 
 
-def _fly_all(simulations: Sequence[_Simulation]) -> Iterator[FlownManeuver]:
+def _fly_all(simulations: Sequence[_Simulation], niceness: int) -> Iterator[FlownManeuver]:
     """Simulate in order, in several processes if there are at least four maneuvers."""
     if len(simulations) < 4:
         yield from map(_simulate, simulations)
         return
     context = multiprocessing.get_context("spawn")
+    labels = [one.keywords["label"] for one in simulations]
+    n_first = labels.index(REPEAT) + 1 if REPEAT in labels else 0
+    levels = [0] * n_first + [niceness] * (len(labels) - n_first)
     # One thread each: the matrices are small. More than four processes take longer to start.
     processes = min(4, os.cpu_count() or 1)
     with ProcessPoolExecutor(
         max_workers=processes, mp_context=context, initializer=_prepare_process
     ) as pool:
         try:
-            yield from pool.map(_simulate, simulations)
+            yield from pool.map(_simulate, simulations, levels)
         finally:
             pool.shutdown(cancel_futures=True)

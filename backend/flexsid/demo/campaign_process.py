@@ -1,7 +1,7 @@
 """Process that simulates the demonstration while the server runs, first of all its first sheet.
 
-They are requested as soon as their maneuvers are stored, while the rest of the campaign is
-simulated at the lowest priority.
+Its maneuvers are simulated first, and its runs requested as soon as they are stored, while the rest
+of the campaign is simulated at the lowest priority.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from contextlib import closing, suppress
 from multiprocessing.connection import Connection
 from types import FrameType
 
-from flexsid.demo.campaign import Report, add_campaign
+from flexsid.demo.campaign import RECORD, REPEAT, Report, add_campaign
 from flexsid.demo.flex28 import NAME
 from flexsid.demo.independent_surfaces import add_independent
 from flexsid.demo.transport import add_transport
@@ -37,9 +37,6 @@ from flexsid.workflow.runs.run_proposal import attach_proposal_basis
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 
 # --- The sheet on which the demonstration opens: its runs, proposal and predictions ---------------
-
-RECORD, REPEAT = "1-04 FTA 506", "5-01 FTA 506"
-"""Maneuver of the sheet, and the one that repeats it at another fuel."""
 
 SMALLER, PROPOSAL = "SP + SW1B", "SP + SW1B + SW1T"
 """Model structures: the one that is proposed, and the one that it changes."""
@@ -73,6 +70,11 @@ class FirstSheet:
         self._had_record = find_record(store) is not None
         self._runs: dict[tuple[str, Method, str], int] = {}
         self._is_proposed = False
+
+    @property
+    def has_records(self) -> bool:
+        """Whether the maneuvers of the sheet are stored, so that the rest can wait."""
+        return self._had_record or len(self._runs) == _N_RUNS
 
     def advance(self) -> None:
         """Request what can be requested now; nothing where the record was there before."""
@@ -169,9 +171,9 @@ class FirstSheet:
 # --- All that the demonstration has: the campaign of FLEX-28, and aircraft with other motions -----
 
 
-def add_demonstration(store: Store, report: Report, *, unsteady: bool) -> None:
+def add_demonstration(store: Store, report: Report, *, unsteady: bool, niceness: int = 0) -> None:
     """Simulate and store what is missing, with the arguments of ``add_campaign``."""
-    add_campaign(store, report, unsteady=unsteady)
+    add_campaign(store, report, unsteady=unsteady, niceness=niceness)
     add_transport(store)
     add_independent(store)
 
@@ -179,7 +181,9 @@ def add_demonstration(store: Store, report: Report, *, unsteady: bool) -> None:
 # --- Process that simulates the demonstration aircraft while the server runs ----------------------
 
 _STOP_S = 5.0  # longer than the simulation of one maneuver
-_NICE = 19  # runs and pages have priority: the first run of a new user took 64 s, others 5 s
+_NICE = 19
+"""Once the first sheet has its maneuvers, runs and pages have priority: the first run of a new user
+took 64 s, others 5 s."""
 
 
 class CampaignProcess:
@@ -251,8 +255,6 @@ def _describe(state: PartState, text: str) -> PartHealth:
 
 def main(arguments: list[str]) -> None:
     """Add the campaign; connection and lifeline are given by file descriptor."""
-    if hasattr(os, "nice"):
-        os.nice(_NICE)
     connection, lifeline = Connection(int(arguments[0])), int(arguments[1])
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt_once)
@@ -265,9 +267,11 @@ def main(arguments: list[str]) -> None:
             def report(fraction: float, message: str) -> None:
                 if sheet is not None:
                     sheet.advance()
+                if hasattr(os, "nice") and (sheet is None or sheet.has_records):
+                    os.nice(_NICE - os.nice(0))
                 connection.send((fraction, message))
 
-            add_demonstration(store, report, unsteady=unsteady)
+            add_demonstration(store, report, unsteady=unsteady, niceness=_NICE)
             if sheet is not None:
                 sheet.finish()
     except FlexsidError as error:

@@ -156,7 +156,11 @@ def _format_magnitude(shown: list[Response], scale: MagnitudeScale) -> str:
 
 def _find_phase_step(shown: list[Response]) -> float:
     """Return the tick distance in degrees for about five ticks."""
-    phases = np.rad2deg(np.concatenate([response.phase_rad for response in shown]))
+    return _choose_phase_step(np.concatenate([response.phase_rad for response in shown]))
+
+
+def _choose_phase_step(phase_rad: np.ndarray) -> float:
+    phases = np.rad2deg(phase_rad)
     span = float(np.ptp(phases[np.isfinite(phases)])) if np.isfinite(phases).any() else 0.0
     return next((step for step in (45.0, 90.0, 180.0) if span <= 5 * step), 360.0)
 
@@ -272,52 +276,58 @@ _INPUT_UNIT = "rad"  # responses are stored per radian of surface
 
 
 def draw_fit(value: FitPlot) -> Spec:
-    """Draw measured data as markers, fitted data as a curve, or for OE as rings."""
+    """Draw measured data as markers, fitted data as a curve.
+
+    Spectra have one colour and one curve per input, since adjacent harmonics belong to different
+    inputs; their phases are those of the excitation, so that fitted ones are rings.
+    """
     if not value.traces:
         return empty("No fitted data")
-    colour, symbol = style.of_method(value.method.value)
-    points: Spec = {
-        "mode": "markers",
-        "marker": {"color": style.MEASURED, "symbol": symbol, "size": 5},
-    }
-    curve: Spec = {"mode": "lines", "line": {"color": colour, "width": 1.8}}
-    if value.method is Method.OE:  # adjacent harmonics belong to different inputs
-        curve = {
-            "mode": "markers",
-            "marker": {"color": colour, "symbol": "circle-open", "size": 8},
-        }
-    modelled = value.curve or f"{value.method.value} fit"
     frequency = quantities.of_unit("Frequency", "Hz")
+    modelled = value.curve or f"{value.method.value} fit"
     axes: list[Spec] = []
     data: list[Spec] = []
     for trace in value.traces:
         row = len(axes) + 1
         quantity = _select_quantity(trace, value.method)
-        axes += [{**title(quantity.title), "rangemode": "tozero"}, title("Phase [deg]")]
-        for name, magnitude, phase_rad, drawing in (
-            ("measured", trace.measured_magnitude, trace.measured_phase_rad, points),
-            (modelled, trace.fitted_magnitude, trace.fitted_phase_rad, curve),
-        ):
-            for index, (y, hover) in enumerate(
+        phases = np.concatenate([trace.measured_phase_rad, trace.fitted_phase_rad])
+        axes += [
+            {**title(quantity.title), "rangemode": "tozero"},
+            {**title("Phase [deg]"), "dtick": _choose_phase_step(phases)},
+        ]
+        for label, own, points, curve, rings in _select_fit_styles(value):
+            for name, rows_of, drawings in (
                 (
-                    (magnitude * quantity.factor, f"%{{y:.4g}} {quantity.unit}"),
-                    (np.rad2deg(phase_rad), "%{y:.1f} deg"),
-                )
+                    f"{label} measured".strip(),
+                    (trace.measured_magnitude, trace.measured_phase_rad),
+                    (points, points),
+                ),
+                (
+                    f"{label} {modelled}".strip(),
+                    (trace.fitted_magnitude, trace.fitted_phase_rad),
+                    (curve, rings),
+                ),
             ):
-                data.append(
-                    scatter(
-                        frequency.factor * value.frequency_hz,
-                        y,
-                        row=row + index,
-                        name=name,
-                        legendgroup=name,
-                        showlegend=row + index == 1,
-                        customdata=[value.run_id],
-                        hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}"
-                        f"<extra>{name}</extra>",
-                        **drawing,
-                    )
+                shown = (
+                    (rows_of[0] * quantity.factor, f"%{{y:.4g}} {quantity.unit}"),
+                    (np.rad2deg(rows_of[1]), "%{y:.1f} deg"),
                 )
+                for index, ((y, hover), drawing) in enumerate(zip(shown, drawings, strict=True)):
+                    data.append(
+                        scatter(
+                            frequency.factor * value.frequency_hz[own],
+                            y[own],
+                            row=row + index,
+                            name=name if label == "" else label,
+                            legendgroup=label or name,
+                            # of an input its points; the title of the legend explains the lines
+                            showlegend=row + index == 1 and (label == "" or drawings[0] is points),
+                            customdata=[value.run_id],
+                            hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}"
+                            f"<extra>{name}</extra>",
+                            **drawing,
+                        )
+                    )
     heights = [1.4, 1.0] * len(value.traces)
     notes = [
         _write_r_squared(trace, top)
@@ -331,7 +341,49 @@ def draw_fit(value: FitPlot) -> Spec:
         hovermode="closest",
         annotations=notes,
     )
+    if len({trace["legendgroup"] for trace in data}) > 2:
+        layout["legend"] = {"title": {"text": f"points measured, lines and rings {modelled}"}}
     return {"data": data, "layout": layout}
+
+
+_FitStyle = tuple[str, np.ndarray, Spec, Spec, Spec]
+"""Label of an input, its frequencies (M,), and the styles of points, curve and rings."""
+
+
+def _select_fit_styles(value: FitPlot) -> list[_FitStyle]:
+    """Select the style of each input; of the method where there is one, or none is known."""
+    assigned = np.array(value.assigned_inputs or ("",) * value.frequency_hz.size)
+    colour, symbol = style.of_method(value.method.value)
+    looks = {"": (colour, symbol)}
+    if value.method is not Method.FRE:
+        looks = {**style.of_inputs(value.inputs), **looks}
+    else:
+        assigned = np.full(assigned.size, "")
+    found: list[_FitStyle] = []
+    for name, (own_colour, own_symbol) in looks.items():
+        own = assigned == name
+        if not own.any():
+            continue
+        label = quantities.of_channel(name).label if name else ""
+        marker = {"color": own_colour if name else style.MEASURED, "symbol": own_symbol, "size": 5}
+        line = {"color": own_colour, "width": 1.4 if name else 1.8}
+        rings: Spec = {
+            "mode": "markers",
+            "marker": {"color": own_colour, "symbol": "circle-open", "size": 8},
+        }
+        curve: Spec = {"mode": "lines", "line": line}
+        if name == "" and value.method is Method.OE:  # inputs unknown: no curve through them
+            curve = rings
+        found.append(
+            (
+                label,
+                own,
+                {"mode": "markers", "marker": marker},
+                curve,
+                curve if value.method is Method.FRE else rings,
+            )
+        )
+    return found
 
 
 def _select_quantity(trace: FitTrace, method: Method) -> quantities.DisplayQuantity:

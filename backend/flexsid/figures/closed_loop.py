@@ -35,7 +35,7 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
         "Phase margin [deg]": [
             (np.degrees(m.phase_rad), np.degrees(m.phase_std_rad)) for m in value.margins
         ],
-        "Disk margin [1]": [(m.disk, m.disk_std) for m in value.margins],
+        "Disk margin": [(m.disk, m.disk_std) for m in value.margins],
     }
     speed = quantities.of_unit("Airspeed", "m/s")
     data: list[Spec] = []
@@ -273,7 +273,7 @@ def draw_loops(value: LoopPlot) -> Spec:
             hovertemplate="critical point<extra></extra>",
         )
     )  # fmt: skip
-    layout = plane(title("Re L [1]"), {**title("Im L [1]"), "scaleanchor": "x"}, 3)
+    layout = plane(title("Re L"), {**title("Im L"), "scaleanchor": "x"}, 3)
     return {"data": data, "layout": layout}
 
 

@@ -23,7 +23,7 @@ from flexsid.figures.spec import (
     scatter,
     title,
 )
-from flexsid.figures.style import format_axis_title, get_family, parameter_label, parameter_unit
+from flexsid.figures.style import format_axis_title, format_unit, get_family, parameter_label
 from flexsid.nomenclature import describe
 from flexsid.records.run import sort_methods
 from flexsid.records.validation import (
@@ -53,7 +53,11 @@ def draw_derivatives(value: Comparison) -> Spec:
         return empty("No derivatives in common")
     panels = [list(group) for _, group in groupby(value.rows, key=lambda row: get_family(row.name))]
     looks = select_styles(value.sources)
-    layout: Spec = {"showlegend": True, "hovermode": "closest", "meta": {"rows": 1.5}}
+    layout: Spec = {
+        "showlegend": True,
+        "hovermode": "closest",
+        "meta": {"rows": 1.5, "least_width": 620},
+    }
     data: list[Spec] = []
     left = 0.0
     room = 1.0 - _GAP * (len(panels) - 1)
@@ -71,12 +75,10 @@ def draw_derivatives(value: Comparison) -> Spec:
             "range": [-0.6, len(panel) - 0.4],
             "showgrid": False,
             "zeroline": False,
+            # below its panel: beside it, a unit would lie on the ticks of the next
+            **title(format_unit(panel[0].name)),
         }
-        layout[layout_key(number)] = {
-            "anchor": axis(number, "x"),
-            **title(f"[{parameter_unit(panel[0].name)}]"),
-            "zeroline": True,
-        }
+        layout[layout_key(number)] = {"anchor": axis(number, "x"), "zeroline": True}
         for index, source in enumerate(value.sources):
             offset = _SPREAD * ((index + 0.5) / len(value.sources) - 0.5)
             trace = _draw_source(panel, index, source, offset, looks[source.key], number)

@@ -66,8 +66,8 @@ def draw_iterations(value: Convergence) -> Spec:
     above = "minimum of each fit" if len(data) > 1 else minimum
     tick = 1 + len(value.iterations) // 10
     layout = {
-        "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "dtick": tick},
-        "yaxis": {**title(f"Cost J above {above} [1]"), "rangemode": "tozero"},
+        "xaxis": {**title("Iteration"), "rangemode": "tozero", "dtick": tick},
+        "yaxis": {**title(f"Cost J above {above}"), "rangemode": "tozero"},
         "showlegend": len(data) > 1,
         "meta": {"rows": 1},
     }
@@ -112,7 +112,7 @@ def draw_parameter_correlation(
             zmin=-1,
             zmax=1,
             colorscale="RdBu",
-            colorbar=title("ρ [1]"),
+            colorbar=title("ρ"),
             hovertemplate=("%{text}<br>" if named else "") + "ρ = %{z:.3f}<extra></extra>",
         )
     ]
@@ -232,7 +232,7 @@ def draw_residual(value: Residuals) -> Spec:
         zmin=0,
         zmax=_CEILING,
         colorscale="Cividis",
-        colorbar=title("|residual| / rms [1]"),
+        colorbar=title("|residual| / rms"),
         hovertemplate=f"%{{y}}<br>%{{x:.3f}} {frequency.unit}<br>%{{z:.2f}} rms<extra></extra>",
     )
     layout = {
@@ -258,9 +258,9 @@ def draw_search_path(group: TermGroup) -> Spec:
     ]
     numbers = list(range(1, len(steps) + 1))
     curves = (
-        ("R² [1]", [step.r_squared for step in steps], style.BLUE),
+        ("R²", [step.r_squared for step in steps], style.BLUE),
         ("PSE [noise variances]", [step.pse for step in steps], style.VERMILION),
-        ("BIC [1]", [step.bic for step in steps], style.GREEN),
+        ("BIC", [step.bic for step in steps], style.GREEN),
     )
     symbols = ["circle" if entered else "x" for entered in enters]
     data = [
@@ -354,7 +354,7 @@ def draw_cross_predictions(value: CrossPredictionMatrix) -> Spec:
         zmin=0,
         zmax=1,
         colorscale="Cividis",
-        colorbar=title("Mean R² [1]"),
+        colorbar=title("Mean R²"),
         customdata=_reshape(list(range(len(value.predictions))), shape),
         text=_reshape([_describe(one) for one in value.predictions], shape),
         hovertemplate="%{text}<extra></extra>",
@@ -450,7 +450,7 @@ def draw_residual_correlation(value: ResidualCorrelations) -> Spec:
     )
     layout = stack(
         title("Lag [s]"),
-        [title(f"{_name(curve)} [1]") for curve in value.curves],
+        [title(f"{_name(curve)}") for curve in value.curves],
         showlegend=True,
         hovermode="closest",
     )
@@ -515,7 +515,8 @@ def draw_plot_matrix(value: PlotMatrix) -> Spec:
         return empty("Select at least two channels")
     shown = [quantities.of_channel(*named) for named in zip(value.names, value.units, strict=True)]
     samples = value.samples
-    if np.iscomplexobj(samples):
+    samples_are_complex = np.iscomplexobj(samples)
+    if samples_are_complex:
         samples = np.concatenate([np.real(samples), np.imag(samples)])
     samples = samples * np.array([quantity.factor for quantity in shown])
     cells = [(row, col) for row in range(count) for col in range(row + 1, count)]
@@ -535,7 +536,10 @@ def draw_plot_matrix(value: PlotMatrix) -> Spec:
         for row, col in cells
     ]
     font = {"size": 13 if count <= _FEW else 10}
-    notes = [(k, k, f"<b>{q.label}</b><br>[{q.unit}]", font) for k, q in enumerate(shown)]
+    notes = [
+        (k, k, f"<b>{q.label}</b>" + q.title.removeprefix(q.label), font)
+        for k, q in enumerate(shown)
+    ]
     notes += [(c, r, *_format_coefficient(value.correlation[c, r], font)) for r, c in cells]
     layout: Spec = {
         "showlegend": False,
@@ -544,7 +548,8 @@ def draw_plot_matrix(value: PlotMatrix) -> Spec:
         "annotations": [
             text_at((c + 0.5) / count, 1.0 - (r + 0.5) / count, text, "center", "middle", own_font)
             for r, c, text, own_font in notes
-        ],
+        ]
+        + [text_at(0.0, 0.0, _write_legend(samples_are_complex), "left", "top", {"size": 11})],
         "meta": {
             "rows": count,
             "names": list(value.names),
@@ -557,6 +562,12 @@ def draw_plot_matrix(value: PlotMatrix) -> Spec:
         layout[layout_key(index + 1, "x")] = {**_BARE, "domain": [left, right]}
         layout[layout_key(index + 1)] = {**_BARE, "domain": [1.0 - right, 1.0 - left]}
     return {"data": data, "layout": layout}
+
+
+def _write_legend(is_complex: bool) -> str:
+    kind = "real part of the correlation (magnitude and phase)" if is_complex else "correlation"
+    drawn = "real and imaginary parts" if is_complex else "samples"
+    return f"Above the diagonal {drawn}; below {kind}, flagged beyond ±{LIMIT}."
 
 
 def _find_span(index: int, count: int) -> tuple[float, float]:

@@ -105,7 +105,7 @@ def draw_coverage(value: EnvelopeCoverage) -> Spec:
             value.ratio,
             colorscale="Viridis",
             reversescale=True,
-            colorbar={"title": {"text": "σ / smallest σ [1]", "side": "right"}},
+            colorbar={"title": {"text": "σ / smallest σ", "side": "right"}},
             hovertemplate="σ %{z:.2f} times the smallest<extra></extra>",
         )
     ]
@@ -232,8 +232,8 @@ def draw_envelope(value: Envelope) -> Spec:
             )
         )
     layout = plane(
-        {**title("Fuel fraction [1]"), "range": [-0.05, 1.05]},
-        title("V/V<sub>f</sub> [1]" if as_ratio else f"True airspeed {speed.axis_title}"),
+        {**title("Fuel fraction"), "range": [-0.05, 1.05]},
+        title("V/V<sub>f</sub>" if as_ratio else f"True airspeed {speed.axis_title}"),
         1,
     )
     if as_ratio:

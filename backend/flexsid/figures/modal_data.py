@@ -96,7 +96,7 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
         )
     titles = (frequency.axis_title, "Damping ratio [%]")
     axes = [{**title(text), "rangemode": "tozero"} for text in titles]
-    fuel = {**title("Fuel fraction [1]"), "range": [-0.02, 1.02]}
+    fuel = {**title("Fuel fraction"), "range": [-0.02, 1.02]}
     layout = stack(fuel, axes, [3, 1], meta={"rows": 3})
     return {"data": data, "layout": layout}
 
@@ -152,7 +152,8 @@ def draw_model_order(value: ModelOrder, derivatives: tuple[str, ...]) -> Spec:
                     showlegend=row == 1,
                     line={"color": colour, "dash": dash},
                     marker={"symbol": symbol, "size": 7},
-                    hovertemplate=f"{name} %{{y:.4g}}<br>%{{x}} modes retained"
+                    hovertemplate=f"{style.parameter_label(name)} %{{y:.4g}}<br>"
+                    "%{x} modes retained"
                     f"<extra>{kind}</extra>",
                 )
             )
@@ -168,7 +169,7 @@ def draw_model_order(value: ModelOrder, derivatives: tuple[str, ...]) -> Spec:
             "tickvals": counts,
             "ticktext": ticks,
         },
-        [{**title(name), "automargin": True} for name in selected],
+        [{**title(style.format_axis_title(name)), "automargin": True} for name in selected],
         shapes=shapes,
         meta={"rows": max(2, len(selected))},
     )

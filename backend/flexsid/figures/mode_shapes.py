@@ -11,7 +11,7 @@ import numpy as np
 from flexsid.figures import quantities, style
 from flexsid.figures.quantities import of_unit
 from flexsid.figures.spec import Spec, column, plane, scatter, title
-from flexsid.figures.style import parameter_label, parameter_unit
+from flexsid.figures.style import format_unit, parameter_label
 from flexsid.records.modal_data import DrawnShape
 from flexsid.records.views import LatticeQuantity, LatticeView
 
@@ -68,7 +68,7 @@ def _name_pressure(variable: str) -> str:
     """Return the pressure coefficient per nondimensional variable, with its unit."""
     length = {"q": "c̄", "p": "b", "r": "b"}.get(variable, "c̄" * variable.startswith("etadot"))
     per = parameter_label(variable) + (f" {length}/2V" if length else "")
-    return f"pressure coefficient per {per} [{parameter_unit(f'CZ_{variable}')}]"
+    return f"pressure coefficient per {per} {format_unit(f'CZ_{variable}')}".strip()
 
 
 def _draw_quantity(value: LatticeView) -> Spec:
@@ -143,6 +143,7 @@ def _project(places: np.ndarray) -> np.ndarray:
 _WIDTH, _HEIGHT = 960.0, 560.0  # px
 _PHASES = 24  # pictures of one cycle
 _PERIOD_S = 1.6
+_MARGIN, _CAPTION, _ARROW = 24.0, 32.0, 36.0  # px
 _STILL, _MOVED, _SENSOR = "#adb5bd", "#111111", "#d55e00"
 
 
@@ -168,21 +169,31 @@ def draw_shape_picture(
         Whether the lines move (SMIL, in any browser), instead of the largest displacement.
     """
     nodes = np.asarray(shape.nodes_m, dtype=float)
-    middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
-    radius = max(float(np.linalg.norm(nodes - middle, axis=1).max()), 1e-9)
-    size = min(_WIDTH, 1.7 * _HEIGHT) / (2.15 * radius)
     factor = scale * shape.span_m / max(shape.largest_m, 1e-30)
-
-    def project(places: np.ndarray) -> np.ndarray:
-        x, y, z = (places - middle).T
-        right = -np.sin(azimuth) * x + np.cos(azimuth) * y
-        towards = np.cos(azimuth) * x + np.sin(azimuth) * y
-        up = np.cos(elevation) * z - np.sin(elevation) * towards
-        return np.column_stack([_WIDTH / 2.0 + size * right, _HEIGHT / 2.0 - size * up])
-
     still = np.zeros_like(nodes)
     in_phase = factor * np.asarray(shape.displacement_m, dtype=float)
     ahead = still if shape.quadrature_m is None else factor * np.asarray(shape.quadrature_m, float)
+    s = np.sin(elevation)
+    # rows: to the right and up on the page
+    view = np.array(
+        [
+            [-np.sin(azimuth), np.cos(azimuth), 0.0],
+            [-s * np.cos(azimuth), -s * np.sin(azimuth), np.cos(elevation)],
+        ]
+    )
+    farthest = np.concatenate(
+        [nodes + share * in_phase for share in (-1, 0, 1) if moving or share >= 0]
+    )
+    if moving:
+        farthest = np.concatenate([farthest, nodes + ahead, nodes - ahead])
+    across = farthest @ view.T
+    low, high = across.min(axis=0), across.max(axis=0)
+    room = np.array([_WIDTH, _HEIGHT - _CAPTION]) - 2.0 * _MARGIN
+    size = float(np.min(room / np.maximum(high - low, 1e-9)))
+    centre = np.array([_WIDTH, _HEIGHT - _CAPTION]) / 2.0
+
+    def project(places: np.ndarray) -> np.ndarray:
+        return centre + size * (places @ view.T - (low + high) / 2.0) * [1.0, -1.0]
 
     def trace(displacement: np.ndarray) -> str:
         places = project(nodes + displacement)
@@ -211,7 +222,24 @@ def draw_shape_picture(
     if shape.sensors:
         for x, y in project(np.array([sensor.location_m for sensor in shape.sensors])):
             yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{_SENSOR}"/>'
+    yield from _draw_axes(view)
     yield (
         f'<text x="16" y="{_HEIGHT - 16:g}" font-family="sans-serif" font-size="16">{title}'
         "</text></svg>\n"
     )
+
+
+def _draw_axes(view: np.ndarray) -> Iterator[str]:
+    """Draw the axes of the nodes as arrows of one length in the lower right corner."""
+    origin = np.array([_WIDTH - 3.0 * _MARGIN, _HEIGHT - 2.5 * _MARGIN])
+    for name, direction in zip("xyz", view.T, strict=True):
+        (x, y), (u, v) = (
+            origin + _ARROW * direction * [1, -1],
+            origin + 1.3 * _ARROW * direction * [1, -1],
+        )
+        yield (
+            f'<line x1="{origin[0]:.1f}" y1="{origin[1]:.1f}" x2="{x:.1f}" y2="{y:.1f}"'
+            f' stroke="{_MOVED}"/>'
+            f'<text x="{u:.1f}" y="{v:.1f}" font-family="sans-serif" font-size="14"'
+            f' text-anchor="middle" dominant-baseline="middle">{name}</text>'
+        )

@@ -19,13 +19,13 @@ class DisplayQuantity:
 
     @property
     def title(self) -> str:
-        """Axis title: label and unit."""
-        return f"{self.label}<br>[{self.unit}]"
+        """Axis title: label and unit, if there is one."""
+        return self.label if self.unit == "1" else f"{self.label}<br>[{self.unit}]"
 
     @property
     def axis_title(self) -> str:
         """Axis title on one line."""
-        return f"{self.label} [{self.unit}]"
+        return self.label if self.unit == "1" else f"{self.label} [{self.unit}]"
 
     def format(self, value: float) -> str:
         """Return the label, and an SI value with four significant digits and unit."""

@@ -73,8 +73,14 @@ def parameter_unit(name: str) -> str:
 
 
 def format_axis_title(name: str) -> str:
-    """Return the label of a derivative with its unit."""
-    return f"{parameter_label(name)} [{parameter_unit(name)}]"
+    """Return the label of a derivative with its unit, if it has one."""
+    return f"{parameter_label(name)} {format_unit(name)}".strip()
+
+
+def format_unit(name: str) -> str:
+    """Return the unit of a derivative in brackets, nothing of one that has none."""
+    unit = parameter_unit(name)
+    return "" if unit == "1" else f"[{unit}]"
 
 
 def get_family(name: str) -> str:

@@ -321,7 +321,7 @@ def draw_live_history(value: LiveHistory) -> Spec:
                 hovertemplate=f"%{{x:.1f}} s<br>%{{y:.4f}}<extra>{name}</extra>",
             )
         )
-    axes = (title(speed.axis_title), title("Damping ratio [1]"))
+    axes = (title(speed.axis_title), title("Damping ratio"))
     stability = line_at(0.0, "y", line=BOUNDARY) | {"yref": "y2", "xref": "paper"}
     return {"data": data, "layout": stack(time_axis(), axes, showlegend=True, shapes=[stability])}
 
@@ -379,7 +379,7 @@ def _draw_spectra(value: Reconstruction) -> Spec:
                 "<extra></extra>",
             )
         )
-    titles.append("Condition number [1]")
+    titles.append("Condition number")
     full = value.rank == value.n_motions
     for name, selected, colour in (
         (f"rank {value.n_motions}", full, style.BLUE),

@@ -72,6 +72,7 @@ from flexsid.workflow.review.condition_sheet import (
     find_condition,
     load_simulated,
 )
+from flexsid.workflow.review.frozen_sheet import read_frozen_sheet
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
@@ -647,11 +648,16 @@ def find_stored_predictions(
         return None
 
 
-def read_condition_sheet(store: Store, condition_id: int, truth: bool = False) -> ConditionSheet:
+def read_condition_sheet(
+    store: Store, condition_id: int, truth: bool = False, figure_id: int | None = None
+) -> ConditionSheet:
     """Return the sheet of the condition of a maneuver, from stored results.
 
-    ``truth`` adds the true derivatives of an aircraft that is simulated.
+    ``truth`` adds the true derivatives of an aircraft that is simulated. With ``figure_id`` it is
+    the sheet as it was frozen with a decision.
     """
+    if figure_id is not None:
+        return read_frozen_sheet(store, figure_id)
     return build_condition_sheet(
         store,
         condition_id,

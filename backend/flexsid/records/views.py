@@ -243,7 +243,11 @@ class FitTrace:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitPlot:
-    """Fit of one block of a run; ``curve`` names the model's data, by default as the fit."""
+    """Fit of one block of a run; ``curve`` names the model's data, by default as the fit.
+
+    ``assigned_inputs`` (M,) names the input that excites each frequency, empty where none does or
+    it is not known; ``inputs`` are those of the maneuver, in its order.
+    """
 
     run_id: int
     method: Method
@@ -251,6 +255,8 @@ class FitPlot:
     frequency_hz: np.ndarray
     traces: tuple[FitTrace, ...]
     curve: str | None = None
+    inputs: tuple[str, ...] = ()
+    assigned_inputs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,9 +1,16 @@
-import { Button, Group, SegmentedControl, Switch, Text } from "@mantine/core";
+import { Button, Group, Menu, SegmentedControl, Switch, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { conditionSheetQuery, conditionsQuery, flutterResult, maneuverQuery } from "../api/queries";
+import { address } from "../api/client";
+import {
+  conditionSheetQuery,
+  conditionsQuery,
+  flutterResult,
+  frozenFigureQuery,
+  maneuverQuery,
+} from "../api/queries";
 import { crossPredictionResult } from "../api/queries/validation";
 import type { ConditionSheet } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
@@ -23,13 +30,20 @@ import { conditionName } from "./ConditionsPage";
 /** Figures take the width of the paper before it is printed. */
 const RESIZE_MS = 1500;
 
+/** Path, suffix and label of what a sheet is exported as. */
+const EXPORTS = [
+  ["derivatives", "csv", "Derivatives as CSV"],
+  ["sheet", "json", "Everything as JSON"],
+  ["notebook", "ipynb", "Notebook (Jupyter)"],
+] as const;
+
 const route = getRouteApi("/conditions/$id");
 
 /** Sheet of evidence of a flight condition. */
 export function ConditionPage() {
   const { id } = route.useParams();
-  const { truth } = route.useSearch();
-  const sheet = useQuery(conditionSheetQuery(id, truth));
+  const { truth, frozen } = route.useSearch();
+  const sheet = useQuery(conditionSheetQuery(id, truth, frozen));
   return (
     <Loaded query={sheet} page="Condition" rows={14}>
       {(data) => <Sheet sheet={data} />}
@@ -118,6 +132,23 @@ function Sheet({ sheet }: { sheet: ConditionSheet }) {
                 Next
               </ButtonLink>
             )}
+            <Menu position="bottom-end">
+              <Menu.Target>
+                <Button variant="default">Export</Button>
+              </Menu.Target>
+              <Menu.Dropdown>
+                {EXPORTS.map(([path, suffix, label]) => (
+                  <Menu.Item
+                    key={path}
+                    component="a"
+                    href={address(`conditions/${condition.id}/${path}`, {})}
+                    download={`flexsid-condition-${condition.id}.${suffix}`}
+                  >
+                    {label}
+                  </Menu.Item>
+                ))}
+              </Menu.Dropdown>
+            </Menu>
             <Button
               variant="default"
               onClick={() => {
@@ -154,7 +185,11 @@ function Sheet({ sheet }: { sheet: ConditionSheet }) {
           <p className="sheet-verdict" data-testid="sheet-verdict">
             <Verdict sheet={sheet} /> {sheet.sentence}
           </p>
-          <Unfinished sheet={sheet} />
+          {view.frozen === undefined ? (
+            <Unfinished sheet={sheet} />
+          ) : (
+            <FrozenNote id={view.frozen} condition={condition.id} />
+          )}
         </div>
         <ReviewSummary sheet={sheet} />
       </div>
@@ -214,6 +249,25 @@ function Unfinished({ sheet }: { sheet: ConditionSheet }) {
   );
 }
 
+/** States with which decision a sheet was frozen, and under which hash. */
+function FrozenNote({ id, condition }: { id: number; condition: number }) {
+  const { data } = useQuery(frozenFigureQuery(id));
+  return (
+    <Text size="sm" data-testid="sheet-frozen">
+      Frozen when the decision was made
+      {data !== undefined && (
+        <>
+          , {dateMinute(data.created_at)}, SHA-256 {data.array.slice(0, 12)}
+        </>
+      )}
+      .{" "}
+      <Link to="/conditions/$id" params={{ id: condition }} className="link no-print">
+        Current sheet
+      </Link>
+    </Text>
+  );
+}
+
 function NothingYet({ sheet }: { sheet: ConditionSheet }) {
   if (sheet.unfinished_run_ids.length > 0) return null;
   return (
@@ -256,7 +310,7 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
             onChange({ absolute: next === "absolute" ? true : undefined });
           }}
         />
-        {sheet.has_truth && (
+        {sheet.has_truth && view.frozen === undefined && (
           <Switch
             size="xs"
             label="Show the truth"
@@ -286,6 +340,7 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
             condition_id: sheet.condition.id,
             selected: view.selected,
             truth: view.truth,
+            figure_id: view.frozen,
           }}
           revision="rows"
           onPick={(row) => {

@@ -153,7 +153,7 @@ interface NotesProps {
 
 /** Changes around the proposal since it was made or read. */
 function Notes({ decision, read, onRead }: NotesProps) {
-  const { proposal, structure, newest_version, superseded_by, events } = decision;
+  const { proposal, structure, newest_version, superseded_by, events, sheets } = decision;
   const before = events.findLast((one) => one.proposal !== null && one.revision <= read)?.proposal;
   return (
     <>
@@ -189,6 +189,20 @@ function Notes({ decision, read, onRead }: NotesProps) {
           covers the whole range. This decision remains readable.
         </Alert>
       )}
+      {sheets.map((sheet) => (
+        <Text size="sm" key={sheet.id} data-testid="frozen-sheet">
+          Sheet as it was when this was decided:{" "}
+          <Link
+            to="/conditions/$id"
+            params={{ id: Number(sheet.query.split("=")[1]) }}
+            search={{ frozen: sheet.id ?? undefined }}
+            className="link"
+          >
+            {sheet.title}
+          </Link>{" "}
+          <span className="quiet">SHA-256 {sheet.array.slice(0, 12)}</span>
+        </Text>
+      ))}
       {structure !== null && newest_version > structure.version && isOpen(decision.state) && (
         <Text size="sm" data-testid="newer-structure">
           The structure has version {newest_version} by now.{" "}

@@ -374,13 +374,13 @@ function Choices({ view, tab, controllers, controller, result, onChange }: Choic
   );
 }
 
-/** Margin of the fastest point, and the mode participation of the mechanism. */
-function marginText(result: Flutter): string {
+/** The fastest point flown, and the mode participation of the mechanism. */
+function mechanismText(result: Flutter): string {
   if (result.margin === null) return "";
   const parts = result.participation
     .filter((one) => one.share >= 0.01)
     .map((one) => `${one.name} ${percent(one.share)} %`);
-  return ` The fastest point flown, ${fixed(result.tested_m_s, 1)} m/s, has a margin of ${fixed(100 * result.margin, 1)} %. Mode participation: ${parts.join(", ")}.`;
+  return ` Fastest point flown: ${fixed(result.tested_m_s, 1)} m/s. Mode participation: ${parts.join(", ")}.`;
 }
 
 function Prediction({ result }: { result: Flutter }) {
@@ -397,7 +397,7 @@ function Prediction({ result }: { result: Flutter }) {
       >
         <Sentence text={result.sentence} /> At {percent(result.fuel_fraction)} % fuel and an air
         density of <Quantity value={result.density_kg_m3} unit="kg/m3" decimals={3} named />.
-        <Sentence text={marginText(result)} />
+        <Sentence text={mechanismText(result)} />
       </Alert>
       <Section
         title="Model structures"

@@ -149,7 +149,8 @@ class DecisionItem(Decision):
 class DecisionDetail(Decision):
     """A decision with its events, rules, proposed model and figures.
 
-    ``newest_version`` is the newest version of the proposed structure, or global model.
+    ``newest_version`` is the newest version of the proposed structure, or global model; ``sheets``
+    are those of the flight conditions of its runs, frozen when the decision was made.
     """
 
     rules: ReviewRules
@@ -159,6 +160,7 @@ class DecisionDetail(Decision):
     newest_version: int
     changes: StructureVersion | None
     figures: list[FrozenFigure]
+    sheets: list[FrozenFigure]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -40,7 +40,7 @@ from flexsid.api.serialization import (
     dump_json,
 )
 from flexsid.errors import BadInput
-from flexsid.jobs.kinds import find_stored_flutter, find_stored_predictions
+from flexsid.jobs.kinds import find_stored_flutter, find_stored_predictions, read_condition_sheet
 from flexsid.records.decision import (
     Decision,
     DecisionState,
@@ -58,6 +58,7 @@ from flexsid.workflow.model_structures.baselines import Baseline, find_baseline,
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review, notifications
 from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision, write_markdown
+from flexsid.workflow.review.frozen_sheet import list_frozen_sheets
 from flexsid.workflow.review.vote_evidence import VoteEvidence, collect_vote_evidence
 
 # --- Decisions on model structures and global models: proposals, comments, votes and audit trail
@@ -152,7 +153,8 @@ def vote_on_decision(
 ) -> DecisionDetail:
     """Vote on a proposal: approve, reject or request changes; decided by the quorum.
 
-    An approval despite warnings of the evidence states its reason in `despite`.
+    An approval despite warnings of the evidence states its reason in `despite`. The decision
+    freezes the sheets of the conditions of its runs: `sheets` of the decision.
     """
     approves = body.vote is Vote.APPROVE
     stored = decision_review.cast_vote(
@@ -164,6 +166,7 @@ def vote_on_decision(
         analyst,
         warnings=_collect_evidence(store, decision_id).warnings if approves else (),
         despite=body.despite,
+        read_sheet=partial(read_condition_sheet, store),
     )
     return _build_detail(store, stored)
 
@@ -187,11 +190,12 @@ def get_decision_audit(store: TheStore, decision_id: Identity, form: Form = "jso
 def _build_detail(store: Store, decision: Decision) -> DecisionDetail:
     proposal = decision.proposal
     changes, structure, model = proposal.changes, proposal.structure, proposal.global_model_id
+    events = store.decision_events.find(decision_id=decision.id)
     return extend_record(
         DecisionDetail,
         decision,
         rules=decision_review.get_rules(store, decision.aircraft_id),
-        events=store.decision_events.find(decision_id=decision.id),
+        events=events,
         structure=None
         if structure is None
         else get_version(store, structure.id, structure.version),
@@ -199,6 +203,7 @@ def _build_detail(store: Store, decision: Decision) -> DecisionDetail:
         newest_version=_find_newest_version(store, decision),
         changes=None if changes is None else get_version(store, changes.id, changes.version),
         figures=[store.frozen_figures.get(number) for number in proposal.figure_ids],
+        sheets=list_frozen_sheets(store, events),
     )
 
 

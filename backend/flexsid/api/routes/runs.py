@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-from fastapi import Depends, Query, Response, status
+from fastapi import Depends, Query, Request, Response, status
 
 from flexsid.api.authorization import TheAnalyst, choose_author
 from flexsid.api.context import TheContext, TheStore
@@ -21,6 +21,7 @@ from flexsid.api.models.runs import (
     build_run_response,
     build_template_response,
 )
+from flexsid.api.responses import NOTEBOOK, NOTEBOOK_TYPE, make_file_response
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -36,6 +37,7 @@ from flexsid.api.serialization import (
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import ConditioningStep
 from flexsid.records.run import Batch, EstimationRun
+from flexsid.reports.notebook import write_run_notebook
 from flexsid.storage import bulk
 from flexsid.storage.jobs import batches
 from flexsid.storage.jobs.batches import BatchProgress
@@ -47,6 +49,7 @@ from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.measurements.maneuver_spectra import take_named_corrections
 from flexsid.workflow.model_structures import model_structures
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs import estimation, run_templates
 from flexsid.workflow.runs.capsule import write_capsule
 from flexsid.workflow.runs.exports import (
@@ -173,6 +176,18 @@ def get_run_export(store: TheStore, run_id: Identity) -> Response:
         store.database, dump_json(export_run(store, run_id)), SignaturePlace.JSON
     )
     return Response(content, media_type=Json.media_type, headers=name)
+
+
+@runs_router.get("/{run_id}/notebook", response_class=Response, responses=NOTEBOOK)
+def get_run_notebook(store: TheStore, request: Request, run_id: Identity) -> Response:
+    """Return a notebook (`.ipynb`) that reads a run by the client of this server."""
+    run = store.runs.get(run_id)
+    result = get_result(run, "no result to read")
+    label = store.maneuvers.get(run.maneuver_id).label
+    title = f"{run.method.value} run {run_id} of {label}"
+    url, channels = str(request.base_url).rstrip("/"), list(result.fit.r_squared)
+    text = write_run_notebook(url, run_id, run.maneuver_id, channels, title)
+    return make_file_response(text.encode(), NOTEBOOK_TYPE)
 
 
 @runs_router.get("/{run_id}/fmu", response_class=Response, responses=_ZIP)

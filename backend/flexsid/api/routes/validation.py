@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Query
+from fastapi import Query, Request, Response
 
 from flexsid.api.context import TheStore
-from flexsid.api.responses import add_analysis
+from flexsid.api.responses import (
+    CSV_FILE,
+    NOTEBOOK,
+    NOTEBOOK_TYPE,
+    add_analysis,
+    make_file_response,
+)
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference
 from flexsid.figure_table import TrendParameters
@@ -23,6 +29,7 @@ from flexsid.records.validation import (
     Comparison,
     DerivativeTrend,
 )
+from flexsid.reports.notebook import write_sheet_notebook
 from flexsid.storage.lists.list_query import Items
 from flexsid.text import split_ids
 from flexsid.workflow.comparison.derivative_comparison import compare
@@ -69,12 +76,32 @@ def get_condition_sheet(
     store: TheStore,
     condition_id: Identity,
     truth: Annotated[bool, Query(description="With the truth of a simulated aircraft.")] = False,
+    figure_id: Reference = None,
 ) -> ConditionSheet:
     """Return the evidence for the model of a condition, from stored results.
 
-    The id of any maneuver of a condition names it; nothing is computed but comparisons.
+    The id of any maneuver of a condition names it; nothing is computed but comparisons. With
+    `figure_id` it is the sheet that was frozen with a decision (`sheets` of the decision).
     """
-    return read_condition_sheet(store, condition_id, truth)
+    return read_condition_sheet(store, condition_id, truth, figure_id)
+
+
+@conditions_router.get("/{condition_id}/notebook", response_class=Response, responses=NOTEBOOK)
+def get_condition_notebook(store: TheStore, request: Request, condition_id: Identity) -> Response:
+    """Return a notebook (`.ipynb`) that reads the sheet of a condition by the client."""
+    sheet = read_condition_sheet(store, condition_id)
+    item = sheet.condition
+    title = f"{item.aircraft_name}, {item.airspeed_m_s:.1f} m/s: {sheet.record.label}"
+    runs = [one.run_id for one in sheet.sources if one.run_id is not None]
+    text = write_sheet_notebook(str(request.base_url).rstrip("/"), condition_id, runs, title)
+    return make_file_response(text.encode(), NOTEBOOK_TYPE)
+
+
+@conditions_router.get("/{condition_id}/derivatives", response_class=Response, responses=CSV_FILE)
+def get_condition_derivatives(store: TheStore, condition_id: Identity) -> Response:
+    """Return the derivatives of the sheet as CSV: value, σ and deviations by source."""
+    text = condition_sheet.write_derivatives(read_condition_sheet(store, condition_id))
+    return make_file_response(text.encode(), "text/csv; charset=utf-8")
 
 
 # --- Validation of identified models: cross-prediction of maneuvers, and cross-validation of runs

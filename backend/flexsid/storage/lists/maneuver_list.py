@@ -121,8 +121,16 @@ class ManeuverFilters(FlownFilters, total=False):
     deleted: Annotated[bool | None, Field(description="Deleted maneuvers instead.")]
 
 
+_ended_badly = runs.c.state.in_([RunState.FAILED.value, RunState.CANCELLED.value])
+_FIRST = len(RunState) * 2**58
+"""Added to the keys of runs that come before those that ended badly; larger than any other key."""
+
+
 def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
-    """Return one column of the newest run of a method, from the index alone."""
+    """Return one column of the newest run of a method, from the index alone.
+
+    A failed or cancelled run does not hide one before it that is not.
+    """
     return (
         sa.select(column)
         .where(
@@ -131,7 +139,7 @@ def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
             runs.c.deleted_at.is_(None),
             runs.c.derived_from_run_id.is_(None),
         )
-        .order_by(runs.c.id.desc())
+        .order_by(sa.case((_ended_badly, 1), else_=0), runs.c.id.desc())
         .limit(1)
         .correlate(maneuvers)
         .scalar_subquery()
@@ -344,6 +352,7 @@ def _find_newest_state(method: Method) -> sa.ColumnElement[int]:
     """
     number = sa.case({state.value: k for k, state in enumerate(RunState)}, value=runs.c.state)
     key = sa.cast(runs.c.id, sa.BigInteger) * len(RunState) + number
+    key += sa.case((_ended_badly, 0), else_=sa.literal(_FIRST, sa.BigInteger))
     return sa.func.max(sa.case((runs.c.method == method.value, key))) % len(RunState)
 
 

@@ -29,6 +29,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
 
 COMMAND_SUFFIX = "_command"  # of the channel with the excitation of an input
 SHORTEST_TRIM_S = 0.25  # shortest interval before the excitation that counts as trim [s]
+_SAME_HARMONIC = 1e-6  # distance from a harmonic, in units of the fundamental frequency
 _NO_TAPER = 0.625  # of the sampling rate: a pass band above the Nyquist frequency
 
 
@@ -57,6 +58,18 @@ class SpectrumFrequencies:
                 band_hz=list(band_hz),
             )
         return SpectrumFrequencies(self.omega[inside], self.assigned_input[inside], self.inputs)
+
+
+def find_assigned_inputs(maneuver: Maneuver, frequency_hz: np.ndarray) -> tuple[str, ...]:
+    """Find the input that excites each frequency (M,), empty where none does. [Hz]"""
+    excitation = maneuver.excitation
+    if excitation is None:
+        return ("",) * frequency_hz.size
+    assigned = {n: name for name, own in excitation.harmonics.items() for n in own}
+    order = frequency_hz * excitation.period_s
+    return tuple(
+        assigned.get(round(n), "") if abs(n - round(n)) < _SAME_HARMONIC else "" for n in order
+    )
 
 
 def select_frequencies(

@@ -35,6 +35,7 @@ from flexsid.workflow.model_structures.model_structures import (
 )
 from flexsid.workflow.review.decision_review import apply_event, get_rules
 from flexsid.workflow.review.evidence import GONE, hash_evidence, list_software_versions
+from flexsid.workflow.review.frozen_sheet import hash_frozen_sheets
 
 CHECK = (
     "Every event is stored as text (sealed) with the SHA-256 of that text (hash), and the text has "
@@ -158,8 +159,8 @@ def _audit(store: Store, decision: Decision) -> AuditedDecision:
     )
     runs = dict.fromkeys(chain.from_iterable(one.all_run_ids for one in proposals))
     figures = dict.fromkeys(chain.from_iterable(one.figure_ids for one in proposals))
-    now = hash_evidence(store, decision.proposal)
     then = events[-1].data if events else {}
+    now = hash_evidence(store, decision.proposal) | hash_frozen_sheets(store, then)
     return AuditedDecision(
         decision=decision,
         events=events,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -45,7 +47,7 @@ from flexsid.sysid.estimation.agreement import (
     find_correlated_pairs,
     normalise_deviation,
 )
-from flexsid.text import count_noun
+from flexsid.text import count_noun, escape_spreadsheet_cell
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.comparison.derivative_comparison import compute_covariances, sort_names
 from flexsid.workflow.model_structures.baselines import find_baseline, is_in_range
@@ -249,6 +251,24 @@ def build_condition_sheet(
         n_true=len(true),
         n_inside=sum(abs(one.deviation_sigma or 0.0) <= AGREEMENT_SIGMA for one in true),
     )
+
+
+def write_derivatives(sheet: ConditionSheet) -> str:
+    """Write the derivatives of a sheet as CSV, one row per derivative and source."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(
+        ("name", "unit", "source", "value", "std_error", "moved", "deviation_sigma",
+         "deviation_percent", "modal_share")
+    )  # fmt: skip
+    for row in sheet.rows:
+        for source, one in zip(sheet.sources, row.values, strict=True):
+            if one is not None:
+                numbers = one.value, one.std_error, one.moved
+                deviations = one.deviation_sigma, one.deviation_percent
+                label = escape_spreadsheet_cell(source.label)
+                table.writerow((row.name, row.unit, label, *numbers, *deviations, row.modal_share))
+    return text.getvalue()
 
 
 @cache

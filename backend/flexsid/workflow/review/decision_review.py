@@ -7,9 +7,10 @@ event and the new state in one transaction.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from types import MappingProxyType
 
 import sqlalchemy as sa
 
@@ -36,6 +37,7 @@ from flexsid.workflow.model_structures.model_structures import (
     refuse_altered,
 )
 from flexsid.workflow.review.evidence import hash_evidence, list_software_versions
+from flexsid.workflow.review.frozen_sheet import ReadSheet, freeze_sheets
 
 _log = logging.getLogger(__name__)
 
@@ -159,6 +161,7 @@ def cast_vote(
     *,
     warnings: Sequence[str] = (),
     despite: str = "",
+    read_sheet: ReadSheet | None = None,
 ) -> Decision:
     """Approve, reject or request changes; the decision is made when the quorum is reached.
 
@@ -173,6 +176,8 @@ def cast_vote(
     warnings, despite
         Warnings of the evidence, and why the proposal is approved despite them: both are stored
         with an approval.
+    read_sheet
+        Returns the sheet of a condition: those of the runs are frozen with the decision.
 
     Raises
     ------
@@ -199,7 +204,8 @@ def cast_vote(
             return decision
         names = ", ".join(decision.votes)
         text = f"by {names}; quorum {rules.quorum}"
-        decided = append(store, decision, verdict, author, text, rules=rules)
+        frozen = {} if read_sheet is None else freeze_sheets(store, decision, author, read_sheet)
+        decided = append(store, decision, verdict, author, text, rules=rules, frozen=frozen)
         if verdict is EventKind.ADOPTED:
             _supersede(store, decided, author)
         return decided
@@ -252,10 +258,11 @@ def append(
     proposal: ModelProposal | None = None,
     rules: ReviewRules | None = None,
     by_decision_id: int | None = None,
+    frozen: Mapping[str, str] = MappingProxyType({}),
 ) -> Decision:
-    """Write an event and the new state of the decision."""
+    """Write an event and the new state of the decision; ``frozen`` is sealed with the evidence."""
     before = store.decision_events.find(decision_id=decision.id)
-    data = hash_evidence(store, proposal or decision.proposal)
+    data = hash_evidence(store, proposal or decision.proposal) | dict(frozen)
     access = get_access()
     event = seal(
         DecisionEvent(

@@ -47,6 +47,7 @@ from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     select_free_parameters,
 )
+from flexsid.workflow.measurements.recording import find_assigned_inputs
 from flexsid.workflow.model_structures.model_structures import get_result, resolve_structure
 from flexsid.workflow.runs.estimation import prepare, select_inputs_and_outputs
 from flexsid.workflow.runs.exports import collect_values
@@ -330,8 +331,9 @@ def read_prediction(
     store: Store, run_id: int, maneuver_id: int | None = None, outputs: Sequence[str] = ()
 ) -> FitPlot:
     """Predict outputs of a maneuver, by default that of the run; the first outputs by default."""
+    number = _get_maneuver_id(store, run_id, maneuver_id)
     spectra = _predict_maneuver(store, run_id, maneuver_id).spectra
-    return _plot(run_id, spectra, outputs)
+    return _plot(store, run_id, number, spectra, outputs)
 
 
 def compute_prediction_residuals(
@@ -381,10 +383,16 @@ def correlate_residuals(
 
 
 def read_held_out_fit(
-    found: CrossValidation, maneuver_id: int | None = None, outputs: Sequence[str] = ()
+    store: Store,
+    found: CrossValidation,
+    maneuver_id: int | None = None,
+    outputs: Sequence[str] = (),
 ) -> FitPlot:
     """Read measured and predicted outputs at the frequencies held out."""
-    return _plot(found.summary.run_id, _get_spectra(found, maneuver_id), outputs)
+    run_id = found.summary.run_id
+    spectra = _get_spectra(found, maneuver_id)
+    number = _get_maneuver_id(store, run_id, maneuver_id)
+    return _plot(store, run_id, number, spectra, outputs)
 
 
 def compute_held_out_residuals(found: CrossValidation, maneuver_id: int | None = None) -> Residuals:
@@ -424,7 +432,11 @@ def _get_column(spectra: FittedSpectra, output: str) -> int:
     return spectra.outputs.index(output)
 
 
-def _plot(run_id: int, spectra: FittedSpectra, outputs: Sequence[str]) -> FitPlot:
+def _plot(
+    store: Store, run_id: int, maneuver_id: int, spectra: FittedSpectra, outputs: Sequence[str]
+) -> FitPlot:
+    maneuver = store.maneuvers.get(maneuver_id)
+    frequency_hz = spectra.omega / (2.0 * np.pi)
     r_squared = spectra.r_squared()
     traces = []
     for name in dict.fromkeys(outputs or spectra.outputs[:_SHOWN_FIRST]):
@@ -447,9 +459,11 @@ def _plot(run_id: int, spectra: FittedSpectra, outputs: Sequence[str]) -> FitPlo
         run_id=run_id,
         method=Method.OE,  # whatever the method of the run: outputs from measured inputs
         block=spectra.name,
-        frequency_hz=spectra.omega / (2.0 * np.pi),
+        frequency_hz=frequency_hz,
         traces=tuple(traces),
         curve="predicted",
+        inputs=() if maneuver.excitation is None else tuple(maneuver.excitation.harmonics),
+        assigned_inputs=find_assigned_inputs(maneuver, frequency_hz),
     )
 
 

@@ -40,7 +40,7 @@ from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
-from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.measurements.recording import find_assigned_inputs, select_frequencies
 from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_proposal import set_default_band
@@ -78,15 +78,19 @@ def read_fit(
     selected = _get_block(run, result, block)
     names = outputs or selected.outputs[:_SHOWN_FIRST]
     omega, measured, fitted = _read_spectra(store, selected)
+    frequency_hz = omega / (2.0 * np.pi)
+    maneuver = store.maneuvers.get(run.maneuver_id)
     return FitPlot(
         run_id=run_id,
         method=run.method,
         block=selected.name,
-        frequency_hz=omega / (2.0 * np.pi),
+        frequency_hz=frequency_hz,
         traces=tuple(
             _build_trace(run, result, selected, name, measured, fitted)
             for name in dict.fromkeys(names)
         ),
+        inputs=() if maneuver.excitation is None else tuple(maneuver.excitation.harmonics),
+        assigned_inputs=find_assigned_inputs(maneuver, frequency_hz),
     )
 
 
@@ -108,7 +112,9 @@ def _build_trace(
     column = block.outputs.index(output)
     z, y = measured[:, column], fitted[:, column]
     responses = run.method is Method.FRE
-    phase = np.unwrap(np.angle(z)) if responses else np.angle(z)
+    # Responses are unwrapped along the model, which has no noise; the data are next to it.
+    model = np.unwrap(np.angle(y))
+    phase = model + np.angle(z * y.conj()) if responses else np.angle(z)
     return FitTrace(
         output=output,
         unit=describe(output).unit,
@@ -116,8 +122,7 @@ def _build_trace(
         measured_magnitude=np.abs(z),
         measured_phase_rad=phase,
         fitted_magnitude=np.abs(y),
-        # unwrapped to the measured phase
-        fitted_phase_rad=phase + np.angle(y * z.conj()),
+        fitted_phase_rad=model if responses else phase + np.angle(y * z.conj()),
         r_squared=_get_r_squared(result, block.name, output),
     )
 

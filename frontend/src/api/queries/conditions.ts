@@ -12,13 +12,16 @@ export const conditionsQuery = (aircraft?: number) =>
   });
 
 /** The sheet rests on runs, decisions and stored results: any of their events refreshes it. */
-export const conditionSheetQuery = (id: number, truth = false) =>
+export const conditionSheetQuery = (id: number, truth = false, frozen?: number) =>
   queryOptions({
-    queryKey: ["conditions", id, truth],
+    queryKey: ["conditions", id, truth, frozen],
     queryFn: ({ signal }) =>
       body(
         api.GET("/api/v1/conditions/{condition_id}/sheet", {
-          params: { path: { condition_id: id }, query: truth ? { truth } : {} },
+          params: {
+            path: { condition_id: id },
+            query: { ...(truth ? { truth } : {}), figure_id: frozen },
+          },
           signal,
         }),
       ),

@@ -106,3 +106,17 @@ export const notificationsQuery = (name: string) =>
     enabled: name !== "",
     retry: false,
   });
+
+/** Kind, title, hash and author of what was frozen as evidence; it never changes. */
+export const frozenFigureQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["frozen-figures", id],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/frozen-figures/{figure_id}", {
+          params: { path: { figure_id: id } },
+          signal,
+        }),
+      ),
+    staleTime: Infinity,
+  });

@@ -33,7 +33,6 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
         {name !== undefined && (
           <Figure
             kind="forest"
-            title={name}
             params={{ run_ids: view.runs, prediction_ids: view.predictions, name }}
             onPick={onRun}
           />

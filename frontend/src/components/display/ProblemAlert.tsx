@@ -1,5 +1,6 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
 import { asProblem } from "../../api/problem";
+import { ButtonLink } from "../controls/ButtonLink";
 
 interface Props {
   error: unknown;
@@ -19,7 +20,12 @@ export function ProblemAlert({ error, onRetry }: Props) {
         </Text>
       )}
       <Group mt="xs" gap="sm">
-        {onRetry && (
+        {problem.status === 404 && (
+          <ButtonLink to="/" variant="default">
+            Start page
+          </ButtonLink>
+        )}
+        {onRetry && problem.status !== 404 && (
           <Button variant="default" onClick={onRetry}>
             Retry
           </Button>

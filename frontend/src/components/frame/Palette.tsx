@@ -2,7 +2,7 @@ import { Modal, Text, TextInput } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
-import { useState, type KeyboardEvent } from "react";
+import { useEffect, useEffectEvent, useState, type KeyboardEvent } from "react";
 import {
   batchesQuery,
   designsQuery,
@@ -31,17 +31,27 @@ const MOST = 8;
 export default function Palette({ onClose }: { onClose: () => void }) {
   const [typed, setTyped] = useState("");
   const [active, setActive] = useState(0);
-  const found = useFound(typed.trim());
+  const { found, isSettled } = useFound(typed.trim());
   const at = Math.min(active, found.length - 1);
   const choose = (one: Found | undefined) => {
     if (one === undefined) return;
     onClose();
     one.open();
   };
+  // Enter before the matches have arrived opens the first of them.
+  const [isAwaited, setAwaited] = useState(false);
+  const openFirst = useEffectEvent(() => {
+    setAwaited(false);
+    choose(found[0]);
+  });
+  useEffect(() => {
+    if (isAwaited && isSettled) openFirst();
+  }, [isAwaited, isSettled]);
   const pressed = (event: KeyboardEvent) => {
     if (event.key === "Enter") {
       event.preventDefault();
-      choose(found[at]);
+      if (isSettled) choose(found[at]);
+      else setAwaited(true);
       return;
     }
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
@@ -78,6 +88,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
         onChange={(event) => {
           setTyped(event.currentTarget.value);
           setActive(0);
+          setAwaited(false);
         }}
       />
       <div role="listbox" id="palette-found" aria-label="Found" className="palette-found">
@@ -110,7 +121,8 @@ export default function Palette({ onClose }: { onClose: () => void }) {
   );
 }
 
-function useFound(typed: string): Found[] {
+/** What matches, and whether it is all: the matches of what is typed arrive later. */
+function useFound(typed: string): { found: Found[]; isSettled: boolean } {
   const navigate = useNavigate();
   const [search] = useDebouncedValue(typed, 200);
   const asked = search === "" ? undefined : search;
@@ -134,7 +146,9 @@ function useFound(typed: string): Found[] {
     kind: "page",
     open: () => void navigate(view),
   }));
-  if (!enabled) return views;
+  const queries = [maneuvers, runs, glossary, structures, decisions, designs, batches, searches];
+  const isSettled = search === typed && queries.every((one) => !one.isFetching);
+  if (!enabled) return { found: views, isSettled };
   const named = <Item extends { id: number }>(
     items: Item[] | undefined,
     name: (item: Item) => string,
@@ -154,7 +168,7 @@ function useFound(typed: string): Found[] {
       }));
   const lines = <Item,>(data: { pages: { items: Item[] }[] } | undefined) =>
     data?.pages[0]?.items ?? [];
-  return [
+  const found = [
     ...views,
     ...lines(maneuvers.data).map((one) => ({
       key: `maneuver-${one.id}`,
@@ -218,4 +232,5 @@ function useFound(typed: string): Found[] {
         open: () => void navigate({ to: "/glossary", search: { search: entry.symbol } }),
       })),
   ];
+  return { found, isSettled };
 }

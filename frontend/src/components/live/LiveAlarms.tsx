@@ -24,7 +24,7 @@ interface Props {
   channels: readonly StreamChannel[];
 }
 
-/** Alarms with their evidence, above everything else until somebody acknowledges each by name. */
+/** Lane of alarms with their evidence, open until somebody acknowledges each by name. */
 export function LiveAlarms({ streamId, title, alarms, acknowledgements, ...stream }: Props) {
   const describe = useEvidence(stream.limits, stream.channels);
   const name = useAnalyst();
@@ -32,50 +32,49 @@ export function LiveAlarms({ streamId, title, alarms, acknowledgements, ...strea
   const { open, acknowledged } = splitAlarms(alarms, acknowledgements);
   useDocumentTitle(open.length > 0 ? `ALARM · ${title}` : `${title} · flexsid`);
   return (
-    <>
-      <div className="live-alarms">
-        {/* The region exists before it has alarms: only then are additions announced. */}
-        <div role="alert" aria-live="assertive" data-testid="live-alarms">
-          {open.map((alarm) => (
-            <section key={alarmKey(alarm)} className="live-alarm">
-              <span className="live-alarm-sign" aria-hidden="true">
-                ⚠
-              </span>
-              <div>
-                <h2 className="live-alarm-title">
-                  ALARM: {KINDS[alarm.kind]}, {alarm.subject}
-                </h2>
-                <p className="live-alarm-evidence numbers">
-                  {describe(alarm)}, at {fixed(alarm.time_s, 1)} s
-                </p>
-              </div>
-              {name !== "" && (
-                <Button
-                  size="md"
-                  variant="white"
-                  color="dark"
-                  loading={acknowledge.isPending}
-                  data-testid="acknowledge"
-                  onClick={() => {
-                    acknowledge.mutate(alarm);
-                  }}
-                >
-                  Acknowledge as {name}
-                </Button>
-              )}
-            </section>
-          ))}
-        </div>
-        {open.length > 0 && name === "" && (
-          <div className="panel live-name">
-            <Text size="sm">Set your name to acknowledge.</Text>
-            <NameForm />
-          </div>
-        )}
-        {acknowledge.isError && <ProblemAlert error={acknowledge.error} />}
+    <div className="live-alarms" role="region" aria-label="Alarms" tabIndex={0}>
+      {/* The region exists before it has alarms: only then are additions announced. */}
+      <div role="alert" aria-live="assertive" data-testid="live-alarms">
+        {open.map((alarm) => (
+          <section key={alarmKey(alarm)} className="live-alarm">
+            <span className="live-alarm-sign" aria-hidden="true">
+              ⚠
+            </span>
+            <div>
+              <h2 className="live-alarm-title">
+                ALARM: {KINDS[alarm.kind]}, {alarm.subject}
+              </h2>
+              <p className="live-alarm-evidence numbers">
+                {describe(alarm)}, at {fixed(alarm.time_s, 1)} s
+              </p>
+            </div>
+            {name !== "" && (
+              <Button
+                size="md"
+                variant="white"
+                color="dark"
+                loading={acknowledge.isPending}
+                data-testid="acknowledge"
+                onClick={() => {
+                  acknowledge.mutate(alarm);
+                }}
+              >
+                Acknowledge as {name}
+              </Button>
+            )}
+          </section>
+        ))}
       </div>
+      {open.length > 0 && name === "" && (
+        <div className="panel live-name">
+          <Text size="sm">Set your name to acknowledge.</Text>
+          <NameForm />
+        </div>
+      )}
+      {acknowledge.isError && <ProblemAlert error={acknowledge.error} />}
+      {open.length === 0 && <p className="quiet live-no-alarm">No open alarm</p>}
       {acknowledged.length > 0 && (
-        <Stack gap={2} mb="sm" component="ul" className="lines" aria-label="Acknowledged alarms">
+        <Stack gap={2} px="md" component="ul" className="lines" aria-label="Acknowledged alarms">
           {acknowledged.map((alarm) => (
             <li key={alarmKey(alarm)} data-testid="acknowledged">
               <span>
@@ -88,7 +87,7 @@ export function LiveAlarms({ streamId, title, alarms, acknowledgements, ...strea
           ))}
         </Stack>
       )}
-    </>
+    </div>
   );
 }
 

@@ -1,4 +1,4 @@
-import { useMemo, useRef } from "react";
+import { useMemo, useRef, useState } from "react";
 import { useComputedColorScheme } from "@mantine/core";
 import { useConversion } from "../../api/units";
 import type { LiveMode, LiveState } from "../../api/types";
@@ -21,6 +21,7 @@ interface Props {
 /** Frequency and damping of every mode: the last estimate in large digits, and all of them. */
 export function LiveModes({ states, modes, recent, reason }: Props) {
   const table = useRef<HTMLTableElement>(null);
+  const [isShowing, setShowing] = useState(false);
   const scheme = useComputedColorScheme("light");
   const damping = useMemo(() => trackModes(states, "damping"), [states]);
   const { name: unit, factor } = useConversion()("Hz");
@@ -36,6 +37,15 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
         <Empty title="No estimate yet">{reason}</Empty>
       ) : (
         <>
+          <h3 className="live-caption">
+            Damping ratio over time; the aircraft is unstable below zero
+          </h3>
+          <TrackPlot
+            label="Damping ratio of every mode over time, with intervals of 2 standard errors"
+            height={200}
+            tracks={damping}
+            zero
+          />
           <div className="table-scroll" role="region" aria-label="Modes" tabIndex={0}>
             <table ref={table} className="live-modes numbers" data-testid="live-modes">
               <thead>
@@ -83,21 +93,20 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
             </table>
           </div>
           <CopyTable table={table} label="Modes" />
-          <h3 className="live-caption">
-            Damping ratio over time; the aircraft is unstable below zero
-          </h3>
-          <TrackPlot
-            label="Damping ratio of every mode over time, with intervals of 2 standard errors"
-            height={200}
-            tracks={damping}
-            zero
-          />
-          <h3 className="live-caption">Frequency [{unit}] over time</h3>
-          <TrackPlot
-            label={`Frequency of every mode [${unit}] over time, with intervals of 2 standard errors`}
-            height={170}
-            tracks={frequency}
-          />
+          <details
+            onToggle={(event) => {
+              setShowing(event.currentTarget.open);
+            }}
+          >
+            <summary>Frequency [{unit}] over time</summary>
+            {isShowing && (
+              <TrackPlot
+                label={`Frequency of every mode [${unit}] over time, with intervals of 2 standard errors`}
+                height={170}
+                tracks={frequency}
+              />
+            )}
+          </details>
         </>
       )}
     </Section>

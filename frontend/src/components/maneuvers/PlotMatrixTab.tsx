@@ -50,6 +50,9 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
           onBlur={(event) => {
             onChange({ regressors: integers(event.currentTarget.value) });
           }}
+          onKeyDown={(event) => {
+            if (event.key === "Enter") event.currentTarget.blur();
+          }}
         />
         {count !== undefined && (
           <ChannelPicker

@@ -89,6 +89,9 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
           onBlur={(event) => {
             onChange({ modes: integers(event.currentTarget.value) });
           }}
+          onKeyDown={(event) => {
+            if (event.key === "Enter") event.currentTarget.blur();
+          }}
         />
         {meta.n_motions !== undefined && (
           <Text size="xs" className="quiet" data-testid="reconstruction-rank">

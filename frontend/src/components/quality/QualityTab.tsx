@@ -73,6 +73,8 @@ interface FoundProps extends Pick<ManeuverTabProps, "view" | "onChange"> {
 
 function Found({ id, quality, view, onChange }: FoundProps) {
   const { report } = quality;
+  const warnings = report.warnings.filter((one) => one.severity !== "good");
+  const notes = report.warnings.filter((one) => one.severity === "good");
   const shared = overFrequency(view, onChange);
   return (
     <Stack gap="md">
@@ -83,14 +85,12 @@ function Found({ id, quality, view, onChange }: FoundProps) {
         role="status"
         data-testid={`quality-${quality.verdict}`}
       >
-        {report.warnings.length === 0 ? (
+        {warnings.length === 0 ? (
           <Text size="sm">{quality.summary}</Text>
         ) : (
           <List size="sm" spacing={2}>
-            {(quality.verdict === "good" || quality.verdict === "unchecked") && (
-              <List.Item>{quality.summary}</List.Item>
-            )}
-            {report.warnings.map((warning, index) => (
+            {quality.verdict === "unchecked" && <List.Item>{quality.summary}</List.Item>}
+            {warnings.map((warning, index) => (
               <List.Item key={index} fw={warning.severity === "bad" ? 600 : undefined}>
                 {warning.text}
               </List.Item>
@@ -98,6 +98,11 @@ function Found({ id, quality, view, onChange }: FoundProps) {
           </List>
         )}
       </Alert>
+      {notes.length > 0 && (
+        <Text size="sm" className="quiet" data-testid="quality-notes">
+          Noted, without effect on the verdict: {notes.map((one) => one.text).join(" ")}
+        </Text>
+      )}
       <Corrections id={id} quality={quality} />
       <Section title="Channels" note={<SkewNote quality={quality} />}>
         <QualityChannels channels={report.channels} />

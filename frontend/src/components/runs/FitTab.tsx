@@ -26,7 +26,7 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
     }),
   );
   return (
-    <div className="split" style={{ gridTemplateColumns: "minmax(330px, 400px) minmax(0, 1fr)" }}>
+    <div className="split split-wide">
       <Stack gap="sm">
         <BlockPicker run={run} view={view} onChange={onChange} />
         <div className="panel">

@@ -46,6 +46,13 @@ export function RunActions({ run }: { run: Run }) {
             </Menu.Item>
             <Menu.Item
               component="a"
+              href={`/api/v1/runs/${run.id}/notebook`}
+              download={`flexsid-run-${run.id}.ipynb`}
+            >
+              Notebook (Jupyter)
+            </Menu.Item>
+            <Menu.Item
+              component="a"
               href={`/api/v1/runs/${run.id}/capsule`}
               download={`flexsid-run-${run.id}.crate.zip`}
             >

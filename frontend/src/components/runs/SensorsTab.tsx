@@ -112,7 +112,7 @@ export function SensorsTab({ run, view, onChange }: RunTabProps) {
         What the estimate would be without one sensor, by one Gauss-Newton step. Sensors of a
         correct model differ by their noise only.
       </Text>
-      <div className="split" style={{ gridTemplateColumns: "minmax(330px, 400px) minmax(0, 1fr)" }}>
+      <div className="split split-wide">
         <div className="panel">
           <DataTable
             label="Sensors"

@@ -19,7 +19,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
   const outputs = fitsCoefficients(run) ? [] : (run.blocks[0]?.outputs ?? []);
   const shared = overTime(view, onChange);
   return (
-    <div className="split" style={{ gridTemplateColumns: "minmax(220px, 260px) minmax(0, 1fr)" }}>
+    <div className="split">
       <Stack gap="sm">
         <Select
           label="Recording"
