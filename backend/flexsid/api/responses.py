@@ -131,7 +131,7 @@ def _write_matlab(spec: dict[str, Any]) -> bytes:
 
 
 def submit_job(
-    context: Context, kind: Kind[Any, Any], request: object, author: str, title: str
+    context: Context, kind: Kind[Any, Any], request: object, author: str, title: str = ""
 ) -> Json:
     """Queue a job, or find that of an equal request; ``Location`` is its address."""
     job = submit(context.store, kind, request, author, title)
@@ -162,8 +162,7 @@ def add_analysis(router: APIRouter, analysis: Analysis[Any, Any]) -> None:
     ]
 
     def request(context: TheContext, query: Any, analyst: TheAnalyst) -> Json:
-        title = analysis.describe(context.store, query)
-        return submit_job(context, analysis, query, analyst, title)
+        return submit_job(context, analysis, query, analyst)
 
     def find(store: TheStore, query: Any) -> Json:
         job = find_job(store, analysis, query)

@@ -162,10 +162,10 @@ class FirstSheet:
         repeat = store.maneuvers.find(aircraft_id=record.aircraft_id, label=REPEAT)[0].id or 0
         for ids in ((reference,), runs[PROPOSAL], runs[SMALLER]):
             query = FlutterQuery(run_ids=ids)
-            submit(store, FLUTTER, query, AUTHOR, f"{len(ids)} runs of the first sheet")
+            submit(store, FLUTTER, query, AUTHOR)
         for ids in ((reference,), (reference, other)):
             query = CrossPredictionQuery(run_ids=ids, maneuver_ids=(repeat,))
-            submit(store, CROSS_PREDICTION, query, AUTHOR, f"{REPEAT} by the first sheet")
+            submit(store, CROSS_PREDICTION, query, AUTHOR)
 
 
 # --- All that the demonstration has: the campaign of FLEX-28, and aircraft with other motions -----

@@ -204,12 +204,16 @@ def submit(
 ) -> Job:
     """Queue a job, or return that of an equal request that has not failed.
 
+    An analysis without title gets that of its kind.
+
     Raises
     ------
     BadInput, UnknownRecord
         As ``build_job``.
     """
     job = build_job(store, kind, request, author, title)
+    if not title and isinstance(kind, Analysis):
+        job = replace(job, title=kind.describe(store, request))
     with store.database.transaction() as connection:
         store.database.lock_writers(connection)
         return queue.find_equal(store, job.request_hash) or queue.add_job(store, job)
