@@ -8,7 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from file_imports import import_maneuver
+from rigid_record import simulate_doublet, write_record
 
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
@@ -16,13 +19,23 @@ from flexsid.errors import BadInput
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import ModelStructure, Structure
-from flexsid.records.run import EstimationRun, Method, ProposalSource, RunSettings, RunState
+from flexsid.records.run import (
+    Batch,
+    EstimationRun,
+    Method,
+    ProposalSource,
+    RunSettings,
+    RunState,
+)
+from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis, propose_run
+from flexsid.workflow.runs.run_templates import queue_batch
+from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import predict_maneuver
 from flexsid.workflow.views.run import compute_plot_matrix
 
@@ -175,3 +188,41 @@ def test_the_three_methods_agree_on_what_is_proposed(bands: Store) -> None:
     verdict = compare(bands, ids, []).runs_verdict
     assert verdict.n_judged == 27
     assert verdict.n_consistent >= 12
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_surface_that_rests_is_no_input_of_any_request(store: Store, tmp_path: Path) -> None:
+    columns = simulate_doublet()
+    columns["canard"] = np.random.default_rng(1).normal(0.0, 1e-3, columns["t"].size)
+    record, mapping = write_record(tmp_path, columns)
+    text = mapping.read_text()
+    text = text.replace('{ name = "elevator" }', '{ name = "elevator" }, { name = "canard" }')
+    text += '[[channels]]\ncolumn = "canard"\nunit = "rad"\nrole = "input"\n'
+    maneuver = import_maneuver(store, [record], text)
+    assert maneuver.id is not None
+    request = replace(_build_run(maneuver.id), structure=Structure(modes=()))
+    template = replace(request, structure=Structure(modes=(), absent=("CZ_q",)))
+    methods, templates = (Method.EE,), (template,)
+    queue_batch(
+        store, Batch(name="b"), (maneuver.id,), methods, templates, from_equation_error=False
+    )
+    search = add_search(
+        store,
+        StructureSearch(
+            aircraft_id=maneuver.aircraft_id,
+            maneuver_ids=(maneuver.id,),
+            method=Method.EE,
+            structure=Structure(modes=()),
+            settings=SearchSettings(resamplings=0),
+        ),
+    )
+    (of_batch,) = store.runs.find(maneuver_id=maneuver.id)
+    for found in (
+        apply_proposal(store, request),
+        attach_proposal_basis(store, request),
+        of_batch,
+        search,
+    ):
+        assert found.structure.inputs == ("elevator",)
+    named = replace(request, structure=Structure(modes=(), inputs=("elevator", "canard")))
+    assert attach_proposal_basis(store, named).structure.inputs == ("elevator", "canard")

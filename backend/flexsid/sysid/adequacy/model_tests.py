@@ -64,6 +64,8 @@ _NO_SKEW = 1e-4  # the normal distribution differs by less than 1e-4 of a standa
 _LEAST_WEIGHT = 0.2  # of two frequencies, for the effect of the fit
 _PAIRS_AT_ONCE = 2000  # of frequencies, by memory
 _RELATIVE_FLOOR = 1e-20  # of the measured power: weights of noise-free data stay finite
+_FURTHER_STEPS = 5  # towards the efficient estimate, after the first
+_SMALL_STEP = 0.2  # standard errors that end them
 _LEAST_FREQUENCIES = 20  # for a variance from the residuals
 
 
@@ -268,7 +270,11 @@ def compute_model_tests(
     others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
     against_efficient = []
     if std_errors is not None and np.isfinite(std_errors).all():
+        whole, inverse = _step_to_efficient(
+            experiments, parameters, theta + step, (mean, information), inflation
+        )
         efficient_std = np.sqrt(0.5 * overlap * np.diag(inverse))
+        step = step + whole
         against_efficient = [_test_against_efficient(parameters, step, std_errors, efficient_std)]
     return (
         *_adjust_by_holm(others, _INDEPENDENT_SHARE),
@@ -277,10 +283,38 @@ def compute_model_tests(
     )
 
 
+def _step_to_efficient(
+    experiments: Sequence[Experiment],
+    parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
+    prior: tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, " n_theta"]],
+    inflation: float,
+) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
+    """Step on towards the efficient estimate, by its own weights; return the inverse, too.
+
+    Where the noise of the regressors biases an estimate, its residuals contain the bias: weights
+    from them give the sensors less than their due, and the first step is too short.
+    """
+    mean, information = prior
+    value, inverse = theta, np.eye(theta.size)
+    for _ in range(_FURTHER_STEPS):
+        N, g = np.diag(information), information * (mean - value)
+        for experiment in experiments:
+            final, _ = evaluate_fit(experiment, parameters, value, inflation)
+            own, gradient = final.form.equations(final.sensitivity, final.residuals, final.weights)
+            N, g = N + own, g + gradient
+        inverse = invert_information(N)
+        step = inverse @ g
+        value = value + step
+        if np.all(np.abs(step) < _SMALL_STEP * np.sqrt(np.diag(inverse))):
+            break
+    return value - theta, inverse
+
+
 def _test_against_efficient(
     parameters: Parameters, step: np.ndarray, std_errors: np.ndarray, efficient_std: np.ndarray
 ) -> ModelTest:
-    """Test how far an estimate is from the efficient one, by one step towards it.
+    """Test how far an estimate is from the efficient one, by the steps towards it.
 
     Notes
     -----

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -108,6 +108,13 @@ def read_flight_record(store: Store, maneuver: Maneuver) -> RecordedSensors:
     if sum(one.stop_s - one.start_s for one in gaps) < _LARGEST_GAP * record.duration_s:
         record = replace(record, gaps=tuple((one.start_s, one.stop_s) for one in gaps))
     return RecordedSensors(record, tuple(held), gaps, excluded)
+
+
+def list_moving(store: Store, maneuver_id: int, names: Sequence[str]) -> list[str]:
+    """List the recorded channels that contain more than their noise."""
+    found = read_channels(store.database, maneuver_id, names)
+    values = {name: np.asarray(samples, dtype=float) for name, (_, samples) in found.items()}
+    return [n for n, x in values.items() if np.std(x) >= _QUIET * _estimate_noise(x)]
 
 
 def _find_sensor(name: str, channel: Channel, sensors: Mapping[str, Sensor]) -> Sensor | None:

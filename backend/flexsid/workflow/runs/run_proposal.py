@@ -34,6 +34,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     list_predicted_modes,
     select_prediction,
 )
+from flexsid.workflow.measurements.flight_records import list_moving
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
 from flexsid.workflow.measurements.sensor_responses import find_excited_band
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
@@ -41,7 +42,45 @@ from flexsid.workflow.model_structures.baselines import Baseline, find_baseline,
 from flexsid.workflow.runs.estimation import select_inputs_and_outputs
 from flexsid.workflow.runs.resolved_modes import LEAST_DETERMINED, compute_mode_shares
 
-# --- Default band of a run: what was excited, where the harmonics of a maneuver are not known -----
+# --- Defaults of a run: the surfaces that move, and the band that was excited ---------------------
+
+
+def complete_request(store: Store, run: EstimationRun) -> EstimationRun:
+    """Return a run with the inputs and the band that it is estimated with, where it has none.
+
+    Surfaces that rest in all of its maneuvers are no inputs: their derivatives would be noise.
+    """
+    run = set_default_band(store, run)
+    if run.structure.inputs or run.structure_id is not None:
+        return run
+    ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+    first = store.maneuvers.get(run.maneuver_id)
+    try:
+        aircraft = store.aircraft.get(first.aircraft_id)
+        inputs, _ = select_inputs_and_outputs(store, first, aircraft, run.structure)
+    except BadInput:  # raised again when the run is prepared
+        return run
+    moving = _drop_resting(store, ids, inputs)
+    if moving == inputs:
+        return run
+    return replace(run, structure=replace(run.structure, inputs=moving))
+
+
+def _drop_resting(
+    store: Store, maneuver_ids: Sequence[int], inputs: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Drop inputs that rest in all maneuvers; none where all do."""
+    moving: set[str] = set()
+    for number in maneuver_ids:
+        maneuver = store.maneuvers.get(number)
+        aircraft = store.aircraft.get(maneuver.aircraft_id)
+        recorded = {c.name for c in store.channels.find(maneuver_id=number)}
+        parts = list_surface_parts(aircraft)
+        for name in inputs:
+            terms = [name] if name in recorded else [t for t, _ in parts.get(name, ())]
+            if name not in moving and list_moving(store, number, terms):
+                moving.add(name)
+    return tuple(name for name in inputs if name in moving) or inputs
 
 
 def set_default_band(store: Store, run: EstimationRun) -> EstimationRun:
@@ -186,8 +225,10 @@ def _propose(
         chosen = _select_modes(found, body)
     structure, basis = chosen
     inputs, outputs = select_inputs_and_outputs(store, first, found.aircraft, structure)
-    if basis.source is ProposalSource.BAND and inputs != (excited := _pick_excited(first, inputs)):
-        inputs, structure = excited, replace(structure, inputs=excited)
+    if basis.source is ProposalSource.BAND:
+        picked = _drop_resting(store, maneuver_ids, _pick_excited(first, inputs))
+        if picked != inputs:
+            inputs, structure = picked, replace(structure, inputs=picked)
     if not structure.inputs and first.axis == COMBINED:
         structure = replace(structure, inputs=inputs)  # parts of the recorded surfaces
     modes = tuple(replace(m, proposed=m.number in structure.modes) for m in found.modes)
@@ -217,8 +258,8 @@ def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
 
 
 def attach_proposal_basis(store: Store, run: EstimationRun) -> EstimationRun:
-    """Set an open band, and add the basis where the model structure equals the proposed one."""
-    run = set_default_band(store, run)
+    """Complete a request, and add the basis where the model structure equals the proposed one."""
+    run = complete_request(store, run)
     try:
         found = _propose_for(store, run)
     except BadInput:  # raised again when the run is prepared, or no proposal is needed

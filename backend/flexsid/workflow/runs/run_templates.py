@@ -13,7 +13,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import StaleEdit
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import RunHasher, check_ranges
-from flexsid.workflow.runs.run_proposal import apply_proposal, set_default_band
+from flexsid.workflow.runs.run_proposal import apply_proposal, complete_request
 
 # --- Batch: many runs requested at once, put into the queue ---------------------------------------
 
@@ -80,7 +80,7 @@ def queue_batch(
     for number in maneuvers:
         if not hasher.has_maneuver(number):
             raise UnknownRecord(f"there is no maneuver {number}")
-    complete = apply_proposal if by_proposal else set_default_band
+    complete = apply_proposal if by_proposal else complete_request
     ordered = sorted(set(methods), key=lambda method: method is not Method.EE)
     for template in templates:  # an error common to all runs is raised here
         check_ranges(template)

@@ -29,7 +29,7 @@ from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import add_hashes
-from flexsid.workflow.runs.run_proposal import set_default_band
+from flexsid.workflow.runs.run_proposal import complete_request
 from flexsid.workflow.structure_determination.computation import compute_search
 from flexsid.workflow.structure_determination.term_search import HELD_SIGMAS, HoldingRun, SearchTask
 
@@ -112,7 +112,7 @@ def add_search(store: Store, request: StructureSearch) -> StructureSearch:
         If a maneuver was deleted.
     """
     refuse_deleted(store, (*request.maneuver_ids, *request.settings.validate_on))
-    request = _set_default_band(store, request)
+    request = _complete_request(store, request)
     prepare_search(store, request)
     with store.transaction(), storing_in_campaign(request.aircraft_id):
         stored = store.searches.add(replace(request, state=RunState.QUEUED))
@@ -231,13 +231,14 @@ def _compute_sigmas(row: ParameterEstimate) -> float:
     return abs(row.value) / variance**0.5 if variance > 0.0 else 0.0
 
 
-def _set_default_band(store: Store, request: StructureSearch) -> StructureSearch:
-    """Return a search with the band that a run of all its maneuvers has by default."""
+def _complete_request(store: Store, request: StructureSearch) -> StructureSearch:
+    """Return a search with the band and inputs that a run of all its maneuvers has by default."""
     ids = (*request.maneuver_ids, *request.settings.validate_on)
     if not ids:
         return request
-    run = set_default_band(store, _build_run(request, request.structure, ids))
-    return replace(request, settings=replace(request.settings, band_hz=run.settings.band_hz))
+    run = complete_request(store, _build_run(request, request.structure, ids))
+    settings = replace(request.settings, band_hz=run.settings.band_hz)
+    return replace(request, structure=run.structure, settings=settings)
 
 
 def _build_run(
