@@ -504,6 +504,16 @@ def test_a_clock_passes_midnight(client: Client) -> None:
     assert checked["channels"][0]["n_samples"] == 200
 
 
+def test_the_time_of_a_gps_week_is_a_clock(client: Client, tmp_path: Path) -> None:
+    record = write_record(tmp_path, roll_over(604_800.0))
+    record.write_text(record.read_text().replace("t,elevator", "gps_tow_s,elevator"))
+    found = client.upload(record)
+    proposal = found["proposal"]["text"].replace('name = "?"', 'name = "Cases"')
+    assert '[time]\ncolumn = "gps_tow_s"' in proposal
+    problem = check(client, found["upload"]["id"], proposal)["problem"]
+    assert 'repair = ["gps-week"]' in problem["message"]
+
+
 def restart_clock(rows: Table) -> None:
     for row in rows[AT:]:
         row[0] -= AT / RATE_HZ

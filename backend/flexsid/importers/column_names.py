@@ -128,7 +128,7 @@ _SPELLED = re.compile(r"_(rad|deg|m|ft)_(s2?)$", re.IGNORECASE)
 
 _TIME = re.compile(
     r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
-    r"|(?:utc|irig)(?:_?time)?|gps_?time"
+    r"|(?:utc|irig)(?:_?time)?|gps_?time|(?:gps_?)?(?:tow|sow|time_?of_?week)(?:_m?s)?"
 )
 _PERHAPS_TIME = re.compile(r"(?:time|t)_\w+")
 
