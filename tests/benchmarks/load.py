@@ -66,7 +66,7 @@ def read_under_load(port: int, ids: list[int]) -> int:
     jobs.report_result(
         "thirty_analysts_p99_vs_idle",
         jobs.percentile(times, 0.99) / jobs.percentile(idle, 0.99),
-        bar=10.0,
+        bar=5.0,
         baseline="p99 of the same requests of one user of the idle server",
         p99_ms=1e3 * jobs.percentile(times, 0.99),
         median_ms=1e3 * statistics.median(times),

@@ -100,13 +100,13 @@ def test_no_note_is_lost_by_a_restore(
 def test_no_note_is_lost_by_an_upgrade(
     flown_url: str, n_servers: int, n_notes: int, tmp_path: Path
 ) -> None:
-    with starting(tmp_path, flown_url, n_servers) as notes, notes.writing():
-        notes.wait_for(n_notes)
+    with starting(tmp_path, flown_url, n_servers) as notes:
         set_schema(flown_url, "0050")  # which differs in a table of other records
-        notes.wait_for(n_notes)
-        upgraded = ask_command(tmp_path, flown_url, "migrate")
-        assert upgraded["schema"] > "0050"
-        notes.wait_for(n_notes)
+        with notes.writing():
+            notes.wait_for(n_notes)
+            upgraded = ask_command(tmp_path, flown_url, "migrate")
+            assert upgraded["schema"] > "0050"
+            notes.wait_for(2 * n_notes)
     check_notes(tmp_path, notes, flown_url)
 
 
