@@ -61,7 +61,7 @@ class Hook(ThreadingHTTPServer):
 
 
 class _HookCall(BaseHTTPRequestHandler):
-    server: Hook
+    server: Hook  # pyrefly: ignore[bad-override]
 
     def do_POST(self) -> None:
         body = json.loads(self.rfile.read(int(self.headers["content-length"])))
@@ -76,7 +76,7 @@ class _HookCall(BaseHTTPRequestHandler):
         self.send_response(200)
         self.end_headers()
 
-    def log_message(self, *_: object) -> None:
+    def log_message(self, format: str, *args: object) -> None:
         pass
 
 
