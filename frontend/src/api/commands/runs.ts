@@ -17,9 +17,7 @@ export function useCorrectCause(run: { id: number; maneuver_id: number }) {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: () =>
-      body(
-        api.POST("/api/v1/runs/{run_id}/corrections", { params: { path: { run_id: run.id } } }),
-      ),
+      body(api.POST("/api/v1/runs/{run_id}/corrections", { params: { path: { run_id: run.id } } })),
     onSuccess: () =>
       Promise.all(
         [["conditioning", run.maneuver_id], ["quality"], ["figure"], ["result job"]].map(
