@@ -61,7 +61,7 @@ export function coefficientsIn(names: readonly string[]): string[] {
   return [...new Set(names.flatMap((name) => parseDerivative(name)?.coefficient ?? []))];
 }
 
-const SYMBOLS: Record<string, string> = { alpha: "α", beta: "β" };
+const SYMBOLS: Record<string, string> = { alpha: "α", alphadot: "α̇", beta: "β" };
 
 /** A variable as written in the field: α, q, η₇, η̇₉, wf4s. */
 export function variableParts(variable: string): { symbol: string; index: string } {
@@ -70,4 +70,17 @@ export function variableParts(variable: string): { symbol: string; index: string
     return { symbol: elastic[1] === "eta" ? "η" : "η̇", index: elastic[2] ?? "" };
   }
   return { symbol: SYMBOLS[variable] ?? variable, index: "" };
+}
+
+/** Motions, modal coordinates and engines; any other variable is a deflection. */
+const NO_DEFLECTION = /^(eta|etadot)\d+$|^(thrust|throttle)|^[Vpqr]$/;
+
+/** What is in the index of a derivative, as the figures write it: `Cm_wf4s` has "m,δwf4s". */
+export function derivativeIndex({ coefficient, variable }: Derivative): string {
+  const { symbol, index } = variableParts(variable);
+  const isMotion = variable in SYMBOLS || NO_DEFLECTION.test(variable);
+  const text = `${isMotion ? "" : "δ"}${symbol}${index}`;
+  const of = coefficient.slice(1);
+  // An index needs a mark between it and what follows; single letters do not.
+  return of.length > 1 || text.length > 1 ? `${of},${text}` : `${of}${text}`;
 }

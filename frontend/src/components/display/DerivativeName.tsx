@@ -1,5 +1,5 @@
 import { SymbolTooltip } from "./SymbolTooltip";
-import { parseDerivative, variableParts } from "../../lib/derivatives";
+import { derivativeIndex, parseDerivative, variableParts } from "../../lib/derivatives";
 
 /** A variable in the field's notation. */
 export function VariableName({ variable }: { variable: string }) {
@@ -24,18 +24,10 @@ export function CoefficientName({ coefficient }: { coefficient: string }) {
 export function DerivativeName({ name }: { name: string }) {
   const parsed = parseDerivative(name);
   if (parsed === null) return <span>{name}</span>;
-  const { symbol, index } = variableParts(parsed.variable);
   return (
     <SymbolTooltip name={name}>
       <span role="img" aria-label={name} style={{ whiteSpace: "nowrap" }}>
-        C
-        <sub>
-          {parsed.coefficient.slice(1)}
-          <span style={{ paddingLeft: "0.15em" }}>
-            {symbol}
-            {index}
-          </span>
-        </sub>
+        C<sub>{derivativeIndex(parsed)}</sub>
       </span>
     </SymbolTooltip>
   );
