@@ -27,7 +27,7 @@ class MailServer(socketserver.ThreadingTCPServer):
 
 
 class _MailConnection(socketserver.StreamRequestHandler):
-    server: MailServer
+    server: MailServer  # pyrefly: ignore[bad-override-mutable-attribute]
 
     def handle(self) -> None:
         self.wfile.write(b"220 here\r\n")
@@ -61,7 +61,7 @@ class Hook(ThreadingHTTPServer):
 
 
 class _HookCall(BaseHTTPRequestHandler):
-    server: Hook  # pyrefly: ignore[bad-override]
+    server: Hook  # pyrefly: ignore[bad-override-mutable-attribute]
 
     def do_POST(self) -> None:
         body = json.loads(self.rfile.read(int(self.headers["content-length"])))
