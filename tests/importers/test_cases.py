@@ -169,6 +169,13 @@ def test_an_abscissa_other_than_frequency_is_refused(tmp_path, old, new, problem
     assert "frf/real" not in found
 
 
+def test_nodes_along_one_line_have_no_modes_of_a_wing():
+    modes = read_modes("mystran-modes.f06", "nastran-two-grids.bdf")
+    named = name_modes(modes.nodes, modes.shape[0, ..., :3], modes.shape[0, ..., 3:])
+    assert [one.name for one in named] == ["", ""]
+    assert all("not known as a mode of the wing" in one.reason for one in named)
+
+
 def test_modes_of_printouts_of_other_programs():
     modes = read_modes("nastran95-cyclic-frequency.f06", "wing-six-grids.bdf")
     assert modes.omega[0] / (2.0 * np.pi) == pytest.approx([3.5, 11.25])

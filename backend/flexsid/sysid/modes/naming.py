@@ -101,6 +101,8 @@ def name_modes(
     names: list[ModeName] = []
     for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
         kind, why = _classify_motion(motion, least)
+        if kind != "R" and not np.ptp(nodes[:, 1]) > 0.0:
+            kind, why = "", "no node lies beside the others: not known as a mode of the wing"
         if kind != "R":
             least = max(least, _FIXED_RIGID_SHARE)  # a suspension is softer than the structure
         word = "symmetry unknown" if is_half and symmetric is None else _WORD[symmetric]
