@@ -27,7 +27,7 @@ class MailServer(socketserver.ThreadingTCPServer):
 
 
 class _MailConnection(socketserver.StreamRequestHandler):
-    server: MailServer
+    server: MailServer  # pyrefly: ignore[bad-override-mutable-attribute]
 
     def handle(self) -> None:
         self.wfile.write(b"220 here\r\n")
@@ -61,7 +61,7 @@ class Hook(ThreadingHTTPServer):
 
 
 class _HookCall(BaseHTTPRequestHandler):
-    server: Hook
+    server: Hook  # pyrefly: ignore[bad-override-mutable-attribute]
 
     def do_POST(self) -> None:
         body = json.loads(self.rfile.read(int(self.headers["content-length"])))
@@ -76,8 +76,8 @@ class _HookCall(BaseHTTPRequestHandler):
         self.send_response(200)
         self.end_headers()
 
-    def log_message(self, *_: object) -> None:
-        pass
+    def log_message(self, format: str, *args: Any) -> None:
+        """Print nothing."""
 
 
 @contextmanager
