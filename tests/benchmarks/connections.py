@@ -102,7 +102,7 @@ def _crowd(port: int, cookie: str, pipe: Connection) -> None:
 
 
 @contextmanager
-def crowding(server: Server, client: Client) -> Iterator[list[int]]:
+def hold_connections(server: Server, client: Client) -> Iterator[list[int]]:
     """Hold the connections open during the body; yield where their number of renewals will be."""
     cookie = "; ".join(f"{name}={value}" for name, value in client.http.cookies.items())
     pipe, other = multiprocessing.Pipe()
@@ -177,7 +177,7 @@ def main() -> None:
             cid, ben = server.log_in("Cid"), server.log_in("Ben")
             decision = propose(cid)
             idle = measure(server, ben, decision, VOTES // 5, LOGINS // 5)
-            with crowding(server, cid) as renewed:
+            with hold_connections(server, cid) as renewed:
                 found = measure(server, ben, decision, VOTES, LOGINS)
                 ready = ben.request("get", "health/ready").status_code
     result = {

@@ -76,8 +76,8 @@ class _HookCall(BaseHTTPRequestHandler):
         self.send_response(200)
         self.end_headers()
 
-    def log_message(self, format: str, *args: object) -> None:
-        pass
+    def log_message(self, format: str, *args: Any) -> None:
+        """Print nothing."""
 
 
 @contextmanager

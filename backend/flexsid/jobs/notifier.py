@@ -179,7 +179,7 @@ class Notifier:
 
     def _run(self) -> None:
         done: int | None = None
-        last: int | None = None
+        last = 0
         pause_s = _POLL_S
         while not self._stopping.wait(pause_s):
             pause_s = _POLL_S
