@@ -247,7 +247,7 @@ def test_every_route_decides_as_the_table_states(
 ) -> None:
     """Every route, every role, own and foreign campaign; also without log-in and membership."""
 
-    async def run_here(function: Any, *arguments: Any) -> Any:
+    async def run_here(function: Any, *arguments: Any, limiter: object = None) -> Any:
         return function(*arguments)  # two thousand changes of thread take longer than the rest
 
     monkeypatch.setattr(authorization.anyio.to_thread, "run_sync", run_here)

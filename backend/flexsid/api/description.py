@@ -156,6 +156,7 @@ _TEXTS = {
     "application/xml": "<?xml version='1.0'?>\n<DAVEfunc xmlns=\"http://daveml.org/2010/DAVEML\">\n",
     "text/markdown": "# SP + SW1B below 400 Pa\n\n- proposed by Ann Analyst\n",
     "text/plain": "static const float design_t[2400][5] = {\n",
+    "application/x-ipynb+json": '{"nbformat": 4, "cells": []}',
     "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
     "application/zip": "PK",
     "image/svg+xml": "<svg>",

@@ -195,7 +195,7 @@ function Notes({ decision, read, onRead }: NotesProps) {
           <Link
             to="/conditions/$id"
             params={{ id: Number(sheet.query.split("=")[1]) }}
-            search={{ frozen: sheet.id ?? undefined }}
+            search={{ frozen: sheet.id }}
             className="link"
           >
             {sheet.title}

@@ -2,7 +2,7 @@ import { Modal, Text, TextInput } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
-import { useEffect, useEffectEvent, useState, type KeyboardEvent } from "react";
+import { useEffect, useEffectEvent, useRef, useState, type KeyboardEvent } from "react";
 import {
   batchesQuery,
   designsQuery,
@@ -39,19 +39,19 @@ export default function Palette({ onClose }: { onClose: () => void }) {
     one.open();
   };
   // Enter before the matches have arrived opens the first of them.
-  const [isAwaited, setAwaited] = useState(false);
-  const openFirst = useEffectEvent(() => {
-    setAwaited(false);
-    choose(found[0]);
+  const isAwaited = useRef(false);
+  const openAwaited = useEffectEvent(() => {
+    if (isAwaited.current) choose(found[0]);
+    isAwaited.current = false;
   });
   useEffect(() => {
-    if (isAwaited && isSettled) openFirst();
-  }, [isAwaited, isSettled]);
+    if (isSettled) openAwaited();
+  }, [isSettled]);
   const pressed = (event: KeyboardEvent) => {
     if (event.key === "Enter") {
       event.preventDefault();
       if (isSettled) choose(found[at]);
-      else setAwaited(true);
+      else isAwaited.current = true;
       return;
     }
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
@@ -88,7 +88,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
         onChange={(event) => {
           setTyped(event.currentTarget.value);
           setActive(0);
-          setAwaited(false);
+          isAwaited.current = false;
         }}
       />
       <div role="listbox" id="palette-found" aria-label="Found" className="palette-found">
