@@ -35,6 +35,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.review.audit import replay
 from flexsid.workflow.review.decision_review import find_clock_error
 from flexsid.workflow.review.evidence import GONE, hash_evidence
+from flexsid.workflow.review.frozen_sheet import hash_frozen_sheets
 
 # --- Backups of the database into a folder beside it, as jobs -------------------------------------
 
@@ -392,7 +393,7 @@ def _check_evidence(
     """Check the evidence of a decision against its last event."""
     name = f"decision {decision.id}"
     try:
-        now = hash_evidence(store, decision.proposal)
+        now = hash_evidence(store, decision.proposal) | hash_frozen_sheets(store, then)
     except FlexsidError as error:
         text = f"The evidence of {name} cannot be read: {error.message}; {_REPAIR}."
         yield DatabaseProblem("evidence-gone", name, text)
