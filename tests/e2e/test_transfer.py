@@ -46,4 +46,5 @@ def test_a_first_page_is_small(page: Page, server: str, name: str) -> None:
     print(json.dumps({"name": f"first page, {name}", "bytes": total, "requests": len(sizes)}))
     listed = {addresses[key].removeprefix(server): size for key, size in sizes.items()}
     assert total <= MOST_BYTES[name], listed
-    assert len(sizes) <= MOST_REQUESTS, listed
+    # What is asked again while a slow machine draws is no further part of the page.
+    assert len(listed) <= MOST_REQUESTS, listed
