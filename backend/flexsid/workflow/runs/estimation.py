@@ -425,9 +425,8 @@ def _prepare_maneuver(
         opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
         pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
 
-    wrong_conditions = list_wrong_conditions(*widen_by_spread(store, aircraft, maneuver))
-
     def build_wrong_models(shapes: StructuralModes) -> dict[str, AeroelasticModel]:
+        wrong_conditions = list_wrong_conditions(*widen_by_spread(store, aircraft, maneuver))
         return {
             cause: build_model(aircraft, condition, shapes, inputs, outputs, body)
             for cause, condition in wrong_conditions.items()
