@@ -444,22 +444,19 @@ def _prepare_maneuver(
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
     own_model = extended.with_modes(len(own))
     wrong = build_wrong_models(modes.table.at(fuel).select(own))
-    sensors = _read_sensors(store, maneuver, is_rigid=not modes.names) if with_opposed else None
+    is_compared = with_opposed and not modes.names
+    sensors = _read_sensors(store, maneuver) if is_compared else None
     return ManeuverTask(
         maneuver.label, own_model, extended, measurement, opposed, pairs, wrong, sensors
     )
 
 
-def _read_sensors(store: Store, maneuver: Maneuver, *, is_rigid: bool) -> RecordedSensors | None:
-    """Read the sensors that kinematics compare; None where there are none.
-
-    Of a flexible aircraft only what the samples alone show.
-    """
+def _read_sensors(store: Store, maneuver: Maneuver) -> RecordedSensors | None:
+    """Read the sensors of a rigid aircraft that kinematics compare; None where there are none."""
     try:
-        found = read_flight_record(store, maneuver)
+        return read_flight_record(store, maneuver)
     except BadInput:
         return None
-    return found if is_rigid else replace(found, record=found.record.select(frozenset()))
 
 
 def _prepare_opposed_axis(
