@@ -98,14 +98,6 @@ _WRITTEN_TIME = re.compile(
     re.IGNORECASE | re.ASCII,
 )
 """Date or time of day in a form that is not read as a time stamp."""
-_WORD = re.compile(r"[\W_]*[^\W\d_].*|-{0,3}")
-_WRITTEN_TIME = re.compile(
-    r"(?:\d{1,4}[-/. ](?:\d{1,2}|[a-z]{3,9})[-/. ]\d{1,4}\b,?\s*)?"
-    r"(?:\d{1,3}:){0,2}\d{1,2}:\d{2}(?:[.,]\d+)?(?:\s*[ap]m)?(?:\s+\S+)?"
-    r"|\d{1,4}(?:/\d{1,2}/|-\d{1,2}-|[-. ]?[a-z]{3,9}[-. ]?)\d{1,4}",
-    re.IGNORECASE | re.ASCII,
-)
-"""Date or time of day in a form that is not read as a time stamp."""
 
 
 def recognises(head: bytes) -> bool:
@@ -165,8 +157,6 @@ class _Layout:
     """Indices of the columns of time stamps."""
     texts: frozenset[int]
     """Indices of the columns of text, in which no cell is or resembles a number."""
-    texts: frozenset[int]
-    """Indices of the columns of text, in which no cell is or resembles a number."""
     ends_delimited: bool
     has_empty_cell: bool
     """Whether rows end with a delimiter, and their header does not."""
@@ -185,8 +175,6 @@ class _Layout:
             seconds = parse_time_stamp(original[index]) if index < len(cells) else None
             if seconds is not None:
                 cells[index] = repr(seconds)
-        if self.texts:
-            cells = ["nan" if k in self.texts else cell for k, cell in enumerate(cells)]
         if self.texts:
             cells = ["nan" if k in self.texts else cell for k, cell in enumerate(cells)]
         delimiter = "," if self.width is not None else self.delimiter
@@ -299,26 +287,6 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         ends_delimited=ends_delimited,
         has_empty_cell=has_empty_cell,
     )
-
-
-def _find_texts(rows: Sequence[Sequence[str]], n_columns: int) -> frozenset[int]:
-    """Return the columns of text: one number in a column makes it one of numbers, with damage.
-
-    Where no column is of numbers, none is of text: damage is reported by its row.
-    """
-    texts = {
-        index
-        for index in range(n_columns)
-        if all(index < len(cells) and _is_text(cells[index]) for cells in rows)
-    }
-    return frozenset(texts if rows and len(texts) < n_columns else ())
-
-
-def _is_text(cell: str) -> bool:
-    """Return whether a cell is empty, a word, or a date that is not read, not a damaged number."""
-    if _is_value(cell):
-        return False
-    return bool(_WORD.fullmatch(cell) or _WRITTEN_TIME.fullmatch(cell))
 
 
 def _find_texts(rows: Sequence[Sequence[str]], n_columns: int) -> frozenset[int]:
@@ -525,28 +493,7 @@ def _blocks(
     while some := list(islice(lines, _BLOCK_LINES)):
         for row, line in some if layout.texts else ():
             _check_texts(row, layout.cells(line), layout, written)
-        for row, line in some if layout.texts else ():
-            _check_texts(row, layout.cells(line), layout, written)
         yield _numbers(some, layout)
-
-
-def _check_texts(
-    row: int, cells: Sequence[str], layout: _Layout, written: dict[int, tuple[int, str]]
-) -> None:
-    """Reject a number in a column that has none above, and note the first text."""
-    for index in layout.texts:
-        cell = cells[index] if index < len(cells) else ""
-        if not _is_text(cell):
-            name = layout.names[index]
-            raise UnreadableFile(
-                f"row {row}, column '{name}' holds '{cell[:40]}', and no row above it a number; "
-                "numbers are expected in all rows of a column or in none.",
-                code="not-numeric",
-                row=row,
-                column=name,
-            )
-        if cell.strip("-"):
-            written.setdefault(index, (row, cell))
 
 
 def _check_texts(
