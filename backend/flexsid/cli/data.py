@@ -267,7 +267,7 @@ def correct_causes(settings: Settings, arguments: argparse.Namespace) -> int:
             lines = [
                 f"run {number}: maneuver {one.maneuver_id}, {_format_step(one)}" for one in steps
             ]
-            print("\n".join(lines))
+            print_next_result("\n".join(lines), steps, as_json=arguments.json)
     return 0
 
 
