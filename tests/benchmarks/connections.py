@@ -80,19 +80,20 @@ class Crowd:
         at = time.monotonic()
         while not pipe.poll():
             for key, _ in self._selector.select(0.1):
+                assert isinstance(key.fileobj, socket.socket)
                 with suppress(OSError):
-                    if key.fileobj.recv(65536):  # type: ignore[union-attr]
+                    if key.fileobj.recv(65536):
                         continue
                 self._selector.unregister(key.fileobj)
-                key.fileobj.close()  # type: ignore[union-attr]
+                key.fileobj.close()
                 self._open(key.data)
                 self.n_renewed += 1
             if time.monotonic() > at:
                 at += 1.0
                 for key in list(self._selector.get_map().values()):
-                    if "/uploads" in key.data:
+                    if "/uploads" in key.data and isinstance(key.fileobj, socket.socket):
                         with suppress(OSError):
-                            key.fileobj.send(b"1,2,3\n" * 200)  # type: ignore[union-attr]
+                            key.fileobj.send(b"1,2,3\n" * 200)
 
 
 def _crowd(port: int, cookie: str, pipe: Connection) -> None:

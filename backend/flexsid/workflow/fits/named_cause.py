@@ -22,16 +22,10 @@ from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
 from flexsid.sysid.preparation.resampling import BetweenSamples, find_new_samples
-from flexsid.sysid.preparation.spikes_and_dropouts import (
-    bridge_samples,
-)
+from flexsid.sysid.preparation.spikes_and_dropouts import bridge_samples
 from flexsid.units import dimension, to_si
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
-from flexsid.workflow.measurements.sensor_faults import (
-    describe_compatibility,
-    describe_samples,
-    format_with_std,
-)
+from flexsid.workflow.measurements.sensor_faults import describe_compatibility, format_with_std
 
 _CHANCE = 1e-3  # adjusted p above which few rejecting tests are searched for no cause
 _FEW = 3  # rejecting tests
@@ -227,8 +221,6 @@ def _compare_sensors(task: EstimationTask) -> tuple[SensorFault, ...]:
     recorded = [one.sensors for one in task.maneuver_tasks if one.sensors is not None]
     if len(recorded) < len(task.maneuver_tasks):
         return ()
-    if task.model.modes.numbers:  # kinematics of a rigid aircraft do not hold
-        return tuple(describe_samples(recorded))
     return describe_compatibility(tuple(range(len(recorded))), recorded).faults
 
 

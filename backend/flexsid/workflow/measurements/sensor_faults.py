@@ -89,7 +89,7 @@ def describe_compatibility(
 ) -> CompatibilityReport:
     """Compare the sensors of records, and describe what was found."""
     kinds = {one.name: one.kind for r in recorded for one in r.record.sensors}
-    samples = list(describe_samples(recorded))
+    samples = list(_describe_samples(recorded))
     try:
         found = check_compatibility([one.record for one in recorded])
     except NotIdentifiable as error:
@@ -140,7 +140,7 @@ def describe_compatibility(
     )
 
 
-def describe_samples(recorded: Sequence[RecordedSensors]) -> Iterator[SensorFault]:
+def _describe_samples(recorded: Sequence[RecordedSensors]) -> Iterator[SensorFault]:
     """Describe what the samples alone show: channels that are held or frozen."""
     held = {one.name: one for r in recorded for one in r.held}
     for one in held.values():
