@@ -347,7 +347,11 @@ class Workbench:
         return table(self.run(run_id)["parameters"], index="name")
 
     def covariance(self, run_id: int) -> pandas.DataFrame:
-        """Return the covariance matrix of the estimates of a run, with names."""
+        """Return the covariance matrix of the estimates of a run, with names.
+
+        Modal table and flight condition are held: standard errors also contain ``modal_std`` and
+        ``condition_std`` of ``run``.
+        """
         exported = self.get(f"runs/{run_id}/export")
         result = exported["run"]["result"]
         if result is None:
