@@ -149,14 +149,14 @@ def _choose_number(schema: Schema) -> float:
 
 _PROBLEM = "application/problem+json"
 
-# Beginnings of text responses; binary formats have no example.
-_TEXTS = {
+# Beginnings of responses of other types than JSON; binary formats have no example.
+_TEXTS: dict[str, str | dict[str, object]] = {
     "text/csv": "frequency_hz,bfs,wf1s\n0.25,1.02,0.44\n",
     "text/html": "<!doctype html>\n<title>Run 1, output error</title>\n",
     "application/xml": "<?xml version='1.0'?>\n<DAVEfunc xmlns=\"http://daveml.org/2010/DAVEML\">\n",
     "text/markdown": "# SP + SW1B below 400 Pa\n\n- proposed by Ann Analyst\n",
     "text/plain": "static const float design_t[2400][5] = {\n",
-    "application/x-ipynb+json": '{"nbformat": 4, "cells": []}',
+    "application/x-ipynb+json": {"nbformat": 4, "cells": []},
     "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
     "application/zip": "PK",
     "image/svg+xml": "<svg>",

@@ -102,7 +102,7 @@ def respond_with_figure(spec: dict[str, Any], form: Form) -> Response:
 
 NOTEBOOK_TYPE = "application/x-ipynb+json"
 NOTEBOOK: dict[int | str, dict[str, Any]] = {
-    200: {"content": {NOTEBOOK_TYPE: {"schema": {"type": "string"}}}}
+    200: {"content": {NOTEBOOK_TYPE: {"schema": {"type": "object"}}}}
 }
 """Description of a response that is a notebook."""
 
