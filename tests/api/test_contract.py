@@ -7,30 +7,28 @@ from __future__ import annotations
 
 import shutil
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, settings
-from interface import DESCRIPTION
+from hypothesis import HealthCheck, given, settings
 from postgresql import Cluster
 from tests.conftest import Listening
+
+from flexsid.api.permissions import PERMISSIONS
 
 schemathesis = pytest.importorskip("schemathesis", reason="schemathesis is not installed")
 
 # The server runs in the process of the test and draws random numbers of its own.
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 
-schema = schemathesis.openapi.from_dict(DESCRIPTION)
-# Boundaries of every field, one by one, would be most of the time; these are drawn at random.
-schema.config.phases.coverage.enabled = False
 LENIENT = [
     # Valid requests may be refused: the record may not exist.
     schemathesis.checks.positive_data_acceptance,
 ]
-STREAM = "/api/v1/events"  # it has no end
-READY = "/api/v1/health/ready"  # 503 without dispatcher, as here; see test_operations
+# A stream without end, and 503 without dispatcher, as here (see test_operations).
+OTHERS = {"stream_events", "check_readiness"}
 bounded = settings(
     max_examples=2,  # on each of two databases
     derandomize=True,
@@ -40,16 +38,37 @@ bounded = settings(
 )
 
 
-@schema.exclude(method="DELETE").exclude(path=[STREAM, READY]).parametrize()
-@bounded
-def test_route_conforms_to_description(case: Any, changed_url: str) -> None:
-    case.call_and_validate(base_url=changed_url, timeout=300, excluded_checks=LENIENT)
+Operations = Mapping[str, Any]
 
 
-@schema.include(method="DELETE").parametrize()
-@bounded
-def test_delete_route_conforms_to_description(case: Any, doomed_url: str) -> None:
-    case.call_and_validate(base_url=doomed_url, timeout=300, excluded_checks=LENIENT)
+# One operation after the other is prepared in its test: all of them take seconds, of each process
+# that collects tests.
+@pytest.mark.parametrize("name", sorted(PERMISSIONS.keys() - OTHERS))
+def test_route_conforms_to_description(
+    name: str, operations: Operations, changed_url: str, doomed_url: str
+) -> None:
+    operation = operations[name]
+    url = doomed_url if operation.method == "delete" else changed_url
+
+    def conform(case: Any) -> None:
+        case.call_and_validate(base_url=url, timeout=300, excluded_checks=LENIENT)
+
+    for example in operation.get_strategies_from_examples():
+        settings(bounded, max_examples=1)(given(case=example)(conform))()
+    bounded(given(case=operation.as_strategy())(conform))()
+
+
+@pytest.fixture(scope="module")
+def operations() -> Operations:
+    """The operations of the description by their ids."""
+    from interface import DESCRIPTION
+
+    schema = schemathesis.openapi.from_dict(DESCRIPTION)
+    return {
+        operation["operationId"]: schema[path][method]
+        for path, methods in DESCRIPTION["paths"].items()
+        for method, operation in methods.items()
+    }
 
 
 @pytest.fixture(scope="session", params=["sqlite", "postgresql"])
