@@ -54,6 +54,7 @@ def test_a_correct_model_is_consistent_and_one_without_a_mode_suspect(flown_url:
     adequacy = wrong.result.adequacy
     assert adequacy.state is AdequacyState.SUSPECT
     assert adequacy.tests[0].meaning in adequacy.reason
+    assert adequacy.causes == (), "a further mode explains more than any fault of a channel"
     outputs = [one.output for one in adequacy.without_sensors]
     assert sorted(outputs) == sorted(wrong.result.blocks[0].outputs)
     for one in correct.result.adequacy.without_sensors:

@@ -2,7 +2,7 @@
 
 Kinematics compare the sensors of a rigid aircraft whatever the aerodynamics, so that their faults
 come first. Of a flexible one, and of the inputs of both, the model is fitted again with one fault
-corrected: of few channels, those of which a test finds most.
+corrected: of few channels, those whose tests find more than those of other errors.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from flexsid.workflow.measurements.sensor_faults import describe_compatibility, 
 _CHANCE = 1e-3  # adjusted p above which few rejecting tests are searched for no cause
 _FEW = 3  # rejecting tests
 _EXPLAINED = 0.125  # of the tests that rejected may still do so
+_LEADING = 0.5  # of the largest statistic: a cause with a lower one explains less than another
 _ROUNDS = 5  # of a delay
 _CONVERGED_S = 2e-4  # of a delay
 _LEAST_DELAY_S = 1e-3  # that matters
@@ -37,6 +38,14 @@ _LEAST_SIGMAS = 4.0  # of a delay or scale factor
 _LEAST_SCALE = 0.2  # of a scale factor that is no dead sensor
 _LEAST_SCALE_CHANGE = 0.02  # of a scale factor: calibration is known no better
 _CONVERGED_SCALE = 2e-3  # of a scale factor
+_DIRECTIONS = frozenset(
+    {
+        *(Hypothesis.OUTPUT_DELAY, Hypothesis.OUTPUT_SCALE, Hypothesis.INPUT_DELAY),
+        *(Hypothesis.AERODYNAMIC_LAG, Hypothesis.DERIVATIVE, Hypothesis.FURTHER_MODE),
+    }
+)
+"""Errors with a score test: the statistic of the one that is there exceeds those of the others."""
+
 _LOST = (FindingKind.FROZEN, FindingKind.ROUNDED, FindingKind.CLIPPED)
 """Faults whose samples no correction restores."""
 
@@ -232,16 +241,20 @@ def _search_outputs(
 ) -> tuple[SensorFault | None, _Trial | None]:
     """Search for the fault of a sensor that explains why tests reject a flexible model.
 
-    Lag, sign and scale factor of the sensor of which the tests of these find most.
+    Lag, sign and scale factor of a sensor, where no test finds more of another error.
     """
     parts = task.maneuver_tasks[0].measurement.recording.parts
     single = [name for name in task.model.outputs if parts[name] == ((name, 1.0),)]
-    hypotheses = (Hypothesis.OUTPUT_DELAY, Hypothesis.OUTPUT_SCALE)
     most = _EXPLAINED * min(fit.n_rejecting, 1e6)
     trials: list[_Trial] = []
-    for name in _rank(fit, single, hypotheses)[:1]:
-        trials += _try_delay(task, fit, refit, name, Hypothesis.OUTPUT_DELAY)
-        trials += _try_scale(task, fit, refit, name)
+    found = _find_leading(fit, single, (Hypothesis.OUTPUT_DELAY, Hypothesis.OUTPUT_SCALE))
+    for test in found:
+        if test.subject != found[0].subject:
+            continue
+        if test.hypothesis == Hypothesis.OUTPUT_SCALE:
+            trials += _try_scale(task, fit, refit, test.subject)
+        else:
+            trials += _try_delay(task, fit, refit, test.subject, Hypothesis.OUTPUT_DELAY)
     explaining = [one for one in trials if one.fit.n_rejecting <= most]
     if not explaining:
         return None, None
@@ -341,7 +354,9 @@ def _search_inputs(
                     return SensorFault(finding=best.finding), best
             trials += held
     most = _EXPLAINED * min(fit.n_rejecting, 1e6)
-    late = names if is_rigid else _rank(fit, names, (Hypothesis.INPUT_DELAY,))[:1]
+    late: Sequence[str] = names
+    if not is_rigid:
+        late = [one.subject for one in _find_leading(fit, names, (Hypothesis.INPUT_DELAY,))[:1]]
     trials += chain.from_iterable(_try_delay(task, fit, refit, name) for name in late)
     explaining = [one for one in trials if one.fit.n_rejecting <= most]
     if explaining:
@@ -506,16 +521,19 @@ def _find_test(fit: TestedFit, hypothesis: Hypothesis, name: str) -> AdequacyTes
     return next(tests, None)
 
 
-def _rank(
+def _find_leading(
     fit: TestedFit, names: Sequence[str], hypotheses: Sequence[Hypothesis]
-) -> tuple[str, ...]:
-    """Rank channels by the largest statistic of their tests that reject, the largest first."""
-    found = {
-        one.subject: one.statistic
-        for one in sorted(fit.adequacy.tests, key=lambda test: test.statistic)
-        if one.rejects and one.subject in names and one.hypothesis in hypotheses
-    }
-    return tuple(sorted(found, key=lambda name: -found[name]))
+) -> list[AdequacyTest]:
+    """Find the tests of channels that reject with nearly the largest statistic, largest first."""
+    tests = sorted(fit.adequacy.tests, key=lambda one: -one.statistic)
+    found = [one for one in tests if one.rejects and one.hypothesis in _DIRECTIONS]
+    return [
+        one
+        for one in found
+        if one.subject in names
+        and one.hypothesis in hypotheses
+        and one.statistic >= _LEADING * found[0].statistic
+    ]
 
 
 def _matters(finding: SensorFinding) -> bool:
