@@ -157,24 +157,64 @@ def simulate_closed_loop(
     entry, gust_entry = entry[:, :n_u], entry[:, n_u]
     gust = np.zeros(n_samples) if gust is None else gust
     lead = round(actuator.delay_s * rate_hz)
-    commands = np.vstack([excitation, np.zeros((wait, n_u))])
-    states = np.zeros((n_samples, transition.shape[0]))
-    x = states[0].copy()
-    rest = np.zeros(n_u)
-    # Limits are not active while every linear rate and position is inside them.
-    for k in range(n_samples):
-        states[k] = x
-        commands[k + wait] += to_commands @ x[lagged]
-        ordered = commands[k - lead] if k >= lead else rest
-        x = transition @ x + entry @ ordered
-        if gust[k]:
-            x += gust_entry * gust[k]
-        fastest, farthest = abs(x[rate]).max(), abs(x[position]).max()
+    commands = np.vstack([np.zeros((lead, n_u)), excitation, np.zeros((wait, n_u))])
+    states = np.zeros((n_samples + 1, transition.shape[0]))
+    # Commands of so many samples are known before the first of them is simulated.
+    block = _Block.build(transition, np.hstack([entry, gust_entry[:, None]]), wait + lead)
+    for first in range(0, n_samples, wait + lead):
+        stop = min(first + wait + lead, n_samples)
+        driven = np.column_stack([commands[first:stop], gust[first:stop]])
+        found = block.advance(states[first], driven)
+        fastest, farthest = abs(found[:, rate]).max(), abs(found[:, position]).max()
+        # Limits are not active while every linear rate and position is inside them.
         if fastest > actuator.rate_limit or farthest > actuator.position_limit:
-            actuator.limit(states[k, position], x[position], x[rate], step_s)
+            for k in range(stop - first):
+                x = block.advance(states[first + k], driven[k : k + 1])[0]
+                actuator.limit(states[first + k, position], x[position], x[rate], step_s)
+                states[first + k + 1] = x
+        else:
+            states[first + 1 : stop + 1] = found
+        late = slice(lead + wait + first, lead + wait + stop)
+        commands[late] += states[first:stop, lagged] @ to_commands.T
+    states = states[:n_samples]
+    commands = commands[lead : lead + n_samples]
     return SimulatedMotion(
-        rate_hz, states[:, :n_x], states[:, position], commands[:n_samples], gust
+        rate_hz, states[:, :n_x], states[:, position], commands, gust
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """States of several samples, linear in the first state and in what drives each sample."""
+
+    free: Float[np.ndarray, "n_block n_all n_all"]
+    forced: Float[np.ndarray, "n_block n_all n_block n_in"]
+
+    @classmethod
+    def build(
+        cls,
+        transition: Float[np.ndarray, "n_all n_all"],
+        entry: Float[np.ndarray, "n_all n_in"],
+        n_block: int,
+    ) -> _Block:
+        """Multiply the transitions of the samples of a block."""
+        free = [transition]
+        for _ in range(n_block - 1):
+            free.append(transition @ free[-1])
+        forced = np.zeros((n_block, *entry.shape[:1], n_block, entry.shape[1]))
+        for row in range(n_block):
+            forced[row, :, row] = entry
+            for column in range(row):
+                forced[row, :, column] = free[row - column - 1] @ entry
+        return cls(np.array(free), forced)
+
+    def advance(
+        self, state: Float[np.ndarray, " n_all"], driven: Float[np.ndarray, "n n_in"]
+    ) -> Float[np.ndarray, "n n_all"]:
+        """Compute the states after 1, 2, ... samples, each with what drives it."""
+        n = driven.shape[0]
+        forced = self.forced[:n, :, :n].reshape(n * state.size, -1)
+        return self.free[:n] @ state + (forced @ driven.ravel()).reshape(n, -1)
 
 
 def _join(
