@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surface
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.jobs import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -251,31 +251,6 @@ def add_run(store: Store, maneuver: Maneuver) -> Callable[..., EstimationRun]:
     return add
 
 
-def _fly(url: str) -> None:
-    """Add FLEX-28, one flown maneuver and an EE run of it to a database."""
-    from flexsid.demo.campaign import add_aircraft, add_maneuver
-    from flexsid.demo.flights import fly
-    from flexsid.jobs.dispatcher import execute_run
-    from flexsid.jobs.kinds import RUN
-
-    store = Store.open(url)
-    aircraft = add_aircraft(store)
-    assert aircraft.id is not None
-    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
-    assert flight.id is not None
-    stored = add_maneuver(store, fly(modes_in_truth=2, label="flown"), flight.id)
-    assert stored.id is not None
-    run = EstimationRun(
-        maneuver_id=stored.id,
-        method=Method.EE,
-        structure=Structure(modes=(7, 9), fixed={}),
-        # as many modes as fly
-        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
-    )
-    execute_run(store, run, RUN, lambda progress: None)
-    store.close()
-
-
 @pytest.fixture(scope="session")
 def campaign() -> Path:
     """Database with the demonstration campaign; copy it before changing anything."""
@@ -285,17 +260,19 @@ def campaign() -> Path:
 
 
 @pytest.fixture(scope="session")
-def flown_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    file = tmp_path_factory.mktemp("flown") / "flown.db"
-    shutil.copy(migrated_file, file)
-    _fly(f"sqlite:///{file}")
-    return file
+def flown_file() -> Path:
+    """Database with FLEX-28, one flown maneuver and an EE run of it; copy it before a change."""
+    import demonstration
+
+    return demonstration.flown_file()
 
 
 @pytest.fixture(scope="session")
 def flown_template(postgresql: postgresql_server.Cluster) -> str:
+    import demonstration
+
     name = postgresql.copy("empty", "flown")
-    _fly(postgresql.url(name))
+    demonstration.add_flown_maneuver(postgresql.url(name))
     return name
 
 

@@ -1,4 +1,7 @@
-"""The demonstration campaign, simulated once for all tests and cached until its code changes."""
+"""The demonstration campaign and one maneuver of it.
+
+Both are simulated once for all tests and cached until their code changes.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,15 @@ import fcntl
 import hashlib
 import shutil
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
-from flexsid.demo.campaign import add_campaign
+from flexsid.demo.campaign import add_aircraft, add_campaign, add_maneuver
+from flexsid.demo.flights import fly
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
+from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -34,6 +40,31 @@ RUN_IDS = [1, 2, 3, 4]
 """OE and EE of maneuver 2, then of maneuver 4."""
 
 
+def flown_file() -> Path:
+    """Database with FLEX-28, one flown maneuver and an EE run of it; copy it before a change."""
+    return _cached("-flown", _fly)
+
+
+def add_flown_maneuver(url: str) -> None:
+    """Add FLEX-28, one flown maneuver and an EE run of it to a migrated database."""
+    store = Store.open(url)
+    aircraft = add_aircraft(store)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
+    assert flight.id is not None
+    stored = add_maneuver(store, fly(modes_in_truth=2, label="flown"), flight.id)
+    assert stored.id is not None
+    run = EstimationRun(
+        maneuver_id=stored.id,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        # as many modes as fly
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    execute_run(store, run, RUN, lambda progress: None)
+    store.close()
+
+
 def _cached(suffix: str, fill: Callable[[Path], None]) -> Path:
     cached = ROOT / ".cache" / "campaign" / f"{_hash_sources()}{suffix}.db"
     cached.parent.mkdir(parents=True, exist_ok=True)
@@ -49,6 +80,11 @@ def _cached(suffix: str, fill: Callable[[Path], None]) -> Path:
             fill(partial)
             partial.rename(cached)
     return cached
+
+
+def _fly(file: Path) -> None:
+    upgrade(f"sqlite:///{file}")
+    add_flown_maneuver(f"sqlite:///{file}")
 
 
 def _simulate(file: Path) -> None:
@@ -73,6 +109,7 @@ def _estimate(file: Path) -> None:
     store.close()
 
 
+@cache
 def _hash_sources() -> str:
     package = ROOT / "backend" / "flexsid"
     layers = ("demo", "sysid", "records", "storage", "workflow", "importers")
