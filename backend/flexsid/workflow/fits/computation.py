@@ -221,7 +221,7 @@ def _include_shape_errors(
     and covariance C = N^-1 at the estimate, where weights are from residuals that e adds to: so are
     those of equation error.
     """
-    without = replace(task, shape_errors={})
+    without = task.without_shape_errors()
     if not (task.shape_errors and estimate.outcome.is_optimum):
         return without, parameters, estimate
     names = tuple(task.shape_errors)

@@ -67,7 +67,7 @@ def compute_interpolation_bias(
     errors = _compute_interpolation_errors(task, as_measured, parameters, theta)
     for data, one, raw, error in zip(task.maneuvers, experiments, as_measured, errors, strict=True):
         left = one.measured - raw.measured + error
-        for number, measured in enumerate(data.measured.responses().values()):
+        for number, measured in enumerate(data.measured.responses.values()):
             if measured.std is not None and measured.omega.size:
                 relative = np.abs(left[one.group == number])
                 relative /= np.maximum(measured.std[..., 0], 1e-300)
@@ -94,7 +94,9 @@ def _compute_interpolation_errors(
         if experiment.source is not None:
             spectra = data.measured
             outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
-            found = spectra.responses(FrequencyData(spectra.omega, outputs, spectra.outputs.names))
+            found = spectra.estimate_responses(
+                FrequencyData(spectra.omega, outputs, spectra.outputs.names)
+            )
             estimated = np.concatenate([one.values[..., 0] for one in found.values()])
             error = estimated - FrequencyDomainModel(experiment, parameters).respond(theta).outputs
         errors.append(error)
