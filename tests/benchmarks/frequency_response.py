@@ -76,13 +76,13 @@ def main() -> None:
         for ratio, peak_deg in ((0.65, 2.0), (1.09, 1.2)):
             quiet = fly(airspeed_ratio=ratio, peak_deg=peak_deg, noise=False)
             measured = save_and_measure(store, quiet)
-            found = np.median(np.abs(compute_relative_errors(measured.responses(), ratio)))
+            found = np.median(np.abs(compute_relative_errors(measured.responses, ratio)))
             own = compute_open_loop_ratios(measured)
             naive = np.median(np.abs(compute_relative_errors(own, ratio)))
             noisy = save_and_measure(store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=1))
             report_result(f"median_error_{ratio:.2f}", found, outputs=len(measured.outputs.names))
             report_result(f"own_harmonics_ratio_{ratio:.2f}", naive, times_as_much=naive / found)
-            report_result(f"coverage_{ratio:.2f}", coverage(noisy.responses(), ratio))
+            report_result(f"coverage_{ratio:.2f}", coverage(noisy.responses, ratio))
         store.close()
     ours, loop = transform_times()
     size = f"{N_CHANNELS} channels, {N_SAMPLES} samples, {N_FREQUENCIES} frequencies"

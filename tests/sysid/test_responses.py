@@ -19,7 +19,7 @@ def test_without_noise_the_feedback_is_taken_out(store, ratio, peak_deg, limit):
     flown = fly(airspeed_ratio=ratio, peak_deg=peak_deg, noise=False)
     measured = save_and_measure(store, flown)
     assert len(measured.outputs.names) >= 20
-    found = np.median(np.abs(compute_relative_errors(measured.responses(), ratio)))
+    found = np.median(np.abs(compute_relative_errors(measured.responses, ratio)))
     own = compute_open_loop_ratios(measured)
     assert found <= limit
     assert np.median(np.abs(compute_relative_errors(own, ratio))) > 5.0 * found
@@ -30,7 +30,7 @@ def test_two_standard_errors_cover_the_truth_at_their_nominal_rate(store, ratio,
     """Both along the response (magnitude) and across it (phase)."""
     responses = save_and_measure(
         store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=8)
-    ).responses()
+    ).responses
     error = compute_relative_errors(responses, ratio)
     spread = np.concatenate(
         [(r.std / np.abs(r.values))[:, :, 0].ravel() for r in responses.values()]
@@ -42,7 +42,7 @@ def test_two_standard_errors_cover_the_truth_at_their_nominal_rate(store, ratio,
 
 def test_three_periods_without_the_first_are_as_good_as_one_with_trim(store):
     one, three = (
-        save_and_measure(store, fly(airspeed_ratio=0.65, noise=False, n_periods=n)).responses()
+        save_and_measure(store, fly(airspeed_ratio=0.65, noise=False, n_periods=n)).responses
         for n in (1, 3)
     )
     good = np.median(np.abs(compute_relative_errors(one, 0.65)))

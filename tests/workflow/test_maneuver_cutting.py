@@ -81,7 +81,7 @@ def test_maneuvers_are_found_with_trim_and_harmonics_and_cut(
         store, stored, aircraft, tuple(flown[0].truth.inputs), define_outputs(aircraft, ["q"])
     ).transform()
     assert spectra.commands is not None
-    responses = spectra.responses()
+    responses = spectra.responses
     assert np.all(np.isfinite(responses["bfs"].values))
     (trace,) = read_traces(store, stored, ["az_egi"])
     original = next(c for c in flown[0].channels if c.name == "az_egi")

@@ -2,19 +2,60 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, Progress, RunSettings, Start
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    Progress,
+    RunSettings,
+    Start,
+)
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import experiment
+from flexsid.workflow.fits import equation_error_fit
+from flexsid.workflow.fits.estimation_task import get_first_start
 from flexsid.workflow.flutter.run_models import UnmodelledModes, load_run_models
 from flexsid.workflow.runs.derived_runs import DerivedRuns
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.exports import export_run
 from flexsid.workflow.views.run import compute_parameter_correlation
+
+
+def test_equation_error_is_a_start_only_where_the_prediction_does_not_suffice(
+    flown_url: str, monkeypatch
+):
+    store = Store.open(flown_url)
+    run = EstimationRun(
+        maneuver_id=1,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    task = prepare(store, run)
+    store.close()
+    estimate, calls = equation_error_fit.estimate_starting_values, []
+    monkeypatch.setattr(
+        equation_error_fit,
+        "estimate_starting_values",
+        lambda *arguments: calls.append(1) or estimate(*arguments),
+    )
+    found = compute_run(task, lambda progress: None)
+    assert found.adequacy.state is AdequacyState.CONSISTENT
+    assert (calls, {found.start}) == ([], set(task.starts))
+    table = get_first_start(task)
+    at_rest = replace(table, values=np.zeros_like(table.values))  # no iteration converges from here
+    again = compute_run(replace(task, starts={"zero": at_rest}), lambda progress: None)
+    assert (calls, again.start) == ([1], equation_error_fit.EQUATION_ERROR)
+    change = (again.estimate.values - found.estimate.values) / found.estimate.std_errors
+    assert np.abs(change).max() < 0.05
 
 
 def test_unconverged_fit_is_restarted_from_perturbed_values(flown_url: str):

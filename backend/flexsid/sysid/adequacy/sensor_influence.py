@@ -80,9 +80,9 @@ def compute_sensor_influences(
     d = (N - N_o)^-1 (g - g_o) - N^-1 g, a linear function Re sum D^H nu of the residuals with
     D = W (1 - e_o) J (N - N_o)^-1 - W J N^-1. Its covariance is 1/2 Re sum D^H S D with S from
     neighbouring leave-one-out residuals, plus that of the errors of the priors. With W = S^-1 it is
-    that of Hausman's test, Var(without) - Var(with). Both inverses are in the directions that
-    make N one and N_o diagonal; a parameter in a direction of which only this output has
-    information has no change.
+    that of Hausman's test, Var(without) - Var(with). N - N_o is a downdate of N in coordinates in
+    which N is one; a parameter in a direction of which only this output has information has no
+    change.
     The probability of the largest |z| is that of M independent ones,
     M = (sum sqrt l)^2 / sum l with the eigenvalues l of the correlation of the changes.
     N and g are those after the elimination of each output's own nuisance parameters.
@@ -103,16 +103,13 @@ def compute_sensor_influences(
     whole_prior = np.diag(prior) + reduced.priors.sum(axis=0)
     result = []
     for o, name in enumerate(outputs):
-        share, V = np.linalg.eigh(T.T @ parts[o] @ T)
-        lost = share > 1.0 - _LEAST_INFORMATION
-        rows = T[reported] @ V
-        is_known = np.sum(rows[:, lost] ** 2, axis=1) <= _LEAST_INFORMATION * own_variance
+        share = T.T @ parts[o] @ T
+        downdated = _downdate(T[reported], share)
+        is_known = downdated.lost <= _LEAST_INFORMATION * own_variance
         if not is_known.any():
             continue
-        left = np.where(lost, 1.0, 1.0 - share)
-        growth = np.where(lost, 0.0, share / left)
-        more = (rows * growth) @ V.T  # (N - N_o)^-1 - N^-1, in the coordinates of T
-        whole = (rows * np.where(lost, 0.0, 1.0 / left)) @ V.T
+        # (N - N_o)^-1 and its difference from N^-1, in the coordinates of T
+        whole, more = downdated.rows, downdated.more
         change = more @ g - whole @ (T.T @ gradients[o])
         by_whole, by_own = more @ T.T, (-T[reported] - more) @ T.T
         noise = by_whole @ whole_score @ by_whole.T
@@ -134,7 +131,7 @@ def compute_sensor_influences(
         count = max(1.0, roots.sum() ** 2 / known.size)
         largest = int(z.argmax())
         single = 2.0 * float(special.stdtr(max(residual_df, 4.0), -z[largest]))
-        ratio = np.sqrt(np.sum(rows**2 / left, axis=1) / own_variance)
+        ratio = np.sqrt(downdated.variance / own_variance)
         result.append(
             SensorInfluence(
                 name,
@@ -147,6 +144,52 @@ def compute_sensor_influences(
             )
         )
     return result
+
+
+@dataclass(frozen=True, slots=True)
+class _Downdated:
+    """Rows of T times (1 - X)^-1, with the share X of one output in the information T^T N T = 1.
+
+    ``more`` are these rows less those of T, ``variance`` the diagonal of T (1 - X)^-1 T^T and
+    ``lost`` the part of that of T T^T in directions of which only the output has information; it
+    is in no other value.
+    """
+
+    rows: Float[np.ndarray, "n n_kept"]
+    more: Float[np.ndarray, "n n_kept"]
+    variance: Float[np.ndarray, " n"]
+    lost: Float[np.ndarray, " n"]
+
+
+def _downdate(
+    rows: Float[np.ndarray, "n n_kept"], share: Float[np.ndarray, "n_kept n_kept"]
+) -> _Downdated:
+    """Subtract the share of one output from the information.
+
+    Notes
+    -----
+    With 1 - X = L L^T the least information that is left in any direction is at least
+    1 / ||L^-1||_F^2: where that suffices no direction is lost, and a Cholesky factorisation takes a
+    tenth of the time of the eigenvalues.
+    """
+    left = np.eye(len(share)) - share
+    factor, info = linalg.lapack.dpotrf(left, lower=True)
+    if info == 0:
+        inverse, _ = linalg.lapack.dtrtri(factor, lower=True)
+        if _LEAST_INFORMATION * np.sum(inverse**2) < 1.0:
+            half = rows @ inverse.T
+            whole = half @ inverse
+            return _Downdated(whole, whole - rows, np.sum(half**2, axis=1), np.zeros(len(rows)))
+    shares, V = np.linalg.eigh(share)
+    is_lost = shares > 1.0 - _LEAST_INFORMATION
+    turned = rows @ V
+    growth = np.where(is_lost, 0.0, 1.0 / np.where(is_lost, 1.0, 1.0 - shares))
+    return _Downdated(
+        (turned * growth) @ V.T,
+        (turned * np.where(is_lost, 0.0, shares * growth)) @ V.T,
+        np.sum(turned**2 * np.where(is_lost, 1.0, growth), axis=1),
+        np.sum(turned[:, is_lost] ** 2, axis=1),
+    )
 
 
 class _ReducedFit:
@@ -260,9 +303,12 @@ class _WeightedNoise:
         if output not in self.outputs:
             return np.zeros((len(own), len(own)))
         column = self.outputs.index(output)
-        moved, noise = self.A[:, column] @ own.T, self.noise[:, column] @ whole.T
-        mixed = sum_products(moved, noise)
-        return mixed + mixed.T + sum_products(moved, self.density[:, column, None] * moved)
+        # Interleaved real and imaginary parts: real products take half the time of complex ones.
+        moved = own @ np.ascontiguousarray(self.A[:, column].T).view(float)
+        noise = whole @ np.ascontiguousarray(self.noise[:, column].T).view(float)
+        mixed = moved @ noise.T
+        scaled = np.repeat(np.sqrt(self.density[:, column]), 2) * moved
+        return mixed + mixed.T + scaled @ scaled.T
 
 
 def _list_outputs(fit: FinalSpectra) -> tuple[str, ...]:

@@ -406,7 +406,8 @@ def score_covariance(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_theta"
     if experiment.source is not None and experiment.gain is not None:
         weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
         A, S = weight_score_noise(final, weighted)
-        return sum_products(A, S.times(A))
+        halves = S.factor().times(A)
+        return sum_products(halves, halves)
     middle = estimate_noise(final).between(final.weights)
     return final.form.matrix(final.sensitivity, middle)
 

@@ -63,6 +63,14 @@ class SpectralMatrix:
         inverse = np.linalg.solve(self.blocks / outer, identity) / outer
         return SpectralMatrix(0.5 * (inverse + inverse.conj().transpose(0, 2, 1)), self.block)
 
+    def factor(self) -> SpectralMatrix:
+        """Return R with S = R^H R, also of a singular S."""
+        if self.is_diagonal:
+            return SpectralMatrix(np.sqrt(self.blocks), self.block)
+        values, vectors = np.linalg.eigh(self.blocks)
+        roots = np.sqrt(np.maximum(values, 0.0))
+        return SpectralMatrix(roots[:, :, None] * vectors.conj().transpose(0, 2, 1), self.block)
+
     def scaled(self, factor: float) -> SpectralMatrix:
         """Return every matrix times a factor."""
         return SpectralMatrix(factor * self.blocks, self.block)

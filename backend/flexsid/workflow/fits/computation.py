@@ -22,6 +22,7 @@ from flexsid.records.run import (
     Progress,
     Provenance,
     ReportProgress,
+    Start,
     VarianceShares,
 )
 from flexsid.sysid.estimation.agreement import apply_priors
@@ -57,7 +58,9 @@ from flexsid.workflow.fits.estimation_task import (
     select_moved_poles,
 )
 from flexsid.workflow.fits.likelihood_fit import (
+    PERTURBED_STARTS,
     PROGRESS_BEFORE_WEIGHTING,
+    SAME_COST,
     CorrectedFit,
     compute_interpolation_bias,
     fit_without_feedback_noise,
@@ -221,7 +224,7 @@ def _include_shape_errors(
     and covariance C = N^-1 at the estimate, where weights are from residuals that e adds to: so are
     those of equation error.
     """
-    without = replace(task, shape_errors={})
+    without = task.without_shape_errors()
     if not (task.shape_errors and estimate.outcome.is_optimum):
         return without, parameters, estimate
     names = tuple(task.shape_errors)
@@ -244,20 +247,79 @@ def fit_likelihood(
 ) -> EstimatorFit:
     """Estimate by output error or frequency-response error.
 
-    ``candidates`` are the start parameters by name, by default those of the task.
+    ``candidates`` are the start parameters by name, by default those of the task. Equation error,
+    which takes several times as long as a maximisation, is a further start where the optimum from
+    the prediction is rejected, not tested or has a pole that moved into the band.
     """
+    waits = candidates is None and task.settings.start is Start.BEST and bool(task.starts)
     if candidates is None:
-        candidates = collect_starting_points(task, report)
+        candidates = collect_starting_points(task, report, with_equation_error=not waits)
+    optimum = _find_optimum(task, report, candidates, 0 if waits else PERTURBED_STARTS)
+    if not waits:
+        return _complete_fit(task, optimum, candidates, report)
+    fit, estimate = None, optimum.estimate
+    if estimate.outcome.is_optimum:
+        poles = compute_poles(task, optimum.parameters, estimate)
+        fit = _complete_fit(task, optimum, candidates, report)
+        is_consistent = fit.adequacy.state is AdequacyState.CONSISTENT
+        if is_consistent and not select_moved_poles(task, poles):
+            return fit
+    candidates = collect_starting_points(task, report)
+    further = _find_optimum(task, report, candidates, PERTURBED_STARTS)
+    if fit is not None and fit.adequacy.state is not AdequacyState.NOT_TESTED:
+        change = further.estimate.steps[-1].cost - estimate.steps[-1].cost
+        if type(further) is type(optimum) and abs(change) < SAME_COST:
+            return fit
+    return _complete_fit(task, further, candidates, report)
+
+
+@dataclass(frozen=True, slots=True)
+class _LikelihoodOptimum:
+    """Optimum of the likelihood of one noise covariance, and the data that it is of."""
+
+    experiments: list[Experiment]
+    parameters: Parameters
+    start: str
+    estimate: Estimate
+
+
+def _find_optimum(
+    task: EstimationTask,
+    report: ReportProgress,
+    candidates: Mapping[str, Parameters],
+    n_perturbed: int,
+) -> CorrectedFit | _LikelihoodOptimum:
+    """Find the optimum from all starts, without the noise that feedback correlates if it can."""
     fit = fit_without_feedback_noise(task, report, candidates)
     if fit is not None:
-        return _complete_corrected_fit(fit, next(iter(candidates.values())))
+        return fit
     experiments = build_experiments(task)
     candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
     parameters, start, estimate = maximize_from_starts(
-        task, experiments, report, candidates=candidates
+        task, experiments, report, n_perturbed, candidates
     )
+    return _LikelihoodOptimum(experiments, parameters, start, estimate)
+
+
+def _complete_fit(
+    task: EstimationTask,
+    optimum: CorrectedFit | _LikelihoodOptimum,
+    candidates: Mapping[str, Parameters],
+    report: ReportProgress,
+) -> EstimatorFit:
+    """Complete a fit from its optimum; causes are named at the first start where there is none."""
     first = next(iter(candidates.values()))
-    return complete_likelihood_fit(task, experiments, parameters, estimate, start, report, first)
+    if isinstance(optimum, CorrectedFit):
+        return _complete_corrected_fit(optimum, first)
+    return complete_likelihood_fit(
+        task,
+        optimum.experiments,
+        optimum.parameters,
+        optimum.estimate,
+        optimum.start,
+        report,
+        _add_ends(first, optimum.experiments),
+    )
 
 
 def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Parameters:

@@ -218,8 +218,15 @@ def warn_of_sensor_noise(data: ManeuverData, motion: ReconstructedMotion) -> lis
 EQUATION_ERROR = "equation error"
 
 
-def collect_starting_points(task: EstimationTask, report: ReportProgress) -> dict[str, Parameters]:
+def collect_starting_points(
+    task: EstimationTask, report: ReportProgress, *, with_equation_error: bool = True
+) -> dict[str, Parameters]:
     """Collect the start parameters by name.
+
+    Parameters
+    ----------
+    with_equation_error
+        Whether equation error is among them, if the task tries it.
 
     Raises
     ------
@@ -227,7 +234,7 @@ def collect_starting_points(task: EstimationTask, report: ReportProgress) -> dic
         If there are none.
     """
     tables = dict(task.starts)
-    if task.try_equation_error:
+    if task.try_equation_error and with_equation_error:
         report(Progress(message="Estimating starting values by equation error"))
         parameters = select_free_parameters(task, get_first_start(task), ())
         try:

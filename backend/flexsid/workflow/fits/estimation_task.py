@@ -11,6 +11,7 @@ import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -45,7 +46,7 @@ from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
 
-METHODS = "12"
+METHODS = "13"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs
@@ -224,7 +225,12 @@ class EstimationTask:
     ) -> EstimationTask:
         """Return the task with the spreads of a fit, as far as it has them."""
         spread = self.spread if retained is None else retained.spread
-        return self._change(spread, self.shape_spread if shape_spread is None else shape_spread)
+        of_shapes = self.shape_spread if shape_spread is None else shape_spread
+        return self._change(spread=spread, shape_spread=of_shapes)
+
+    def without_shape_errors(self) -> EstimationTask:
+        """Return the task that takes the mode shapes as exact."""
+        return self._change(shape_errors={}) if self.shape_errors else self
 
     def estimate_spreads(self, estimate: Estimate, assumed: float) -> EstimationTask:
         """Return the task with the spreads that an estimate shows, of shapes about the assumed."""
@@ -236,10 +242,10 @@ class EstimationTask:
         sizes = {n: std for n, std in self.shape_errors.items() if n in self.assumed}
         if sizes and sizes.keys() <= set(estimate.names):
             of_shapes = estimate_shape_spread(estimate, sizes, of_shapes, assumed)
-        return self._change(spread, of_shapes)
+        return self._change(spread=spread, shape_spread=of_shapes)
 
-    def _change(self, spread: float, shape_spread: float) -> EstimationTask:
-        found = replace(self, spread=spread, shape_spread=shape_spread)
+    def _change(self, **values: Any) -> EstimationTask:
+        found = replace(self, **values)
         if known := self.__dict__.get("maneuvers"):  # transformed once
             found.__dict__["maneuvers"] = known
         return found
@@ -378,7 +384,7 @@ def build_experiments(task: EstimationTask, method: Method | None = None) -> lis
                 name,
                 window_s=spectra.window_s,
             )
-            experiment = frequency_response_error(data.model, spectra.responses(), name, source)
+            experiment = frequency_response_error(data.model, spectra.responses, name, source)
             if several:
                 groups = tuple(f"{name} {group}" for group in experiment.group_names)
                 experiment = replace(experiment, group_names=groups)

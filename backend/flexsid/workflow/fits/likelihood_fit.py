@@ -43,9 +43,12 @@ PROGRESS_BEFORE_WEIGHTING = 0.97
 
 _INTERPOLATION_ROUNDS = 4  # corrections of frequency responses in sequence
 _SMALL_BIAS = 0.1  # of a frequency response by interpolation, in standard deviations
-_PERTURBED_STARTS = 3
 _PERTURBATION = 0.3  # of a start value, relative to it
-_SAME_COST = 1e-3  # optima whose costs differ by less are the same
+PERTURBED_STARTS = 3
+"""Perturbed starts at most, where no other start converged."""
+
+SAME_COST = 1e-3
+"""Optima whose costs differ by less are the same."""
 
 
 def compute_interpolation_bias(
@@ -67,7 +70,7 @@ def compute_interpolation_bias(
     errors = _compute_interpolation_errors(task, as_measured, parameters, theta)
     for data, one, raw, error in zip(task.maneuvers, experiments, as_measured, errors, strict=True):
         left = one.measured - raw.measured + error
-        for number, measured in enumerate(data.measured.responses().values()):
+        for number, measured in enumerate(data.measured.responses.values()):
             if measured.std is not None and measured.omega.size:
                 relative = np.abs(left[one.group == number])
                 relative /= np.maximum(measured.std[..., 0], 1e-300)
@@ -94,7 +97,9 @@ def _compute_interpolation_errors(
         if experiment.source is not None:
             spectra = data.measured
             outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
-            found = spectra.responses(FrequencyData(spectra.omega, outputs, spectra.outputs.names))
+            found = spectra.estimate_responses(
+                FrequencyData(spectra.omega, outputs, spectra.outputs.names)
+            )
             estimated = np.concatenate([one.values[..., 0] for one in found.values()])
             error = estimated - FrequencyDomainModel(experiment, parameters).respond(theta).outputs
         errors.append(error)
@@ -119,7 +124,7 @@ def maximize_from_starts(
     task: EstimationTask,
     experiments: list[Experiment],
     report: ReportProgress,
-    n_perturbed: int = _PERTURBED_STARTS,
+    n_perturbed: int = PERTURBED_STARTS,
     candidates: Mapping[str, Parameters] | None = None,
 ) -> tuple[Parameters, str, Estimate]:
     """Maximise the likelihood from every start and return the best optimum.
@@ -179,7 +184,7 @@ def _select_best(
     moved = [len(select_moved_poles(task, compute_poles(task, end[0], end[2]))) for end in ends]
     ends = [end for end, n in zip(ends, moved, strict=True) if n == min(moved)]
     lowest = min(end[2].steps[-1].cost for end in ends)
-    same = [end for end in ends if end[2].steps[-1].cost < lowest + _SAME_COST]
+    same = [end for end in ends if end[2].steps[-1].cost < lowest + SAME_COST]
     return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
 
 

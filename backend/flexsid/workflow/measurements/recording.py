@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -359,7 +360,7 @@ class ExcitationData:
     assigned_input: np.ndarray
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MeasuredSpectra:
     """Spectra at the frequencies of a maneuver.
 
@@ -397,11 +398,21 @@ class MeasuredSpectra:
         """Return the output spectra with the instrument responses removed."""
         return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
 
-    def responses(self, outputs: FrequencyData | None = None) -> dict[str, FrequencyResponse]:
-        """Estimate bare-airframe responses of every input at its harmonics.
+    @cached_property
+    def responses(self) -> dict[str, FrequencyResponse]:
+        """Bare-airframe responses of every input at its harmonics, estimated once.
+
+        Raises
+        ------
+        BadInput
+            If the assignment of harmonics to inputs is not known.
+        """
+        return self.estimate_responses(self.true_outputs())
+
+    def estimate_responses(self, outputs: FrequencyData) -> dict[str, FrequencyResponse]:
+        """Estimate bare-airframe responses of outputs, instruments removed, in place of its own.
 
         Excited inputs that are no inputs of the model are included to remove their motion.
-        ``outputs`` replace the measured ones, instruments removed.
 
         Raises
         ------
@@ -425,7 +436,7 @@ class MeasuredSpectra:
             )
         commands = excited.inputs if excited.commands is None else excited.commands
         found = estimate_bare_airframe_responses(
-            excited.inputs, outputs or self.true_outputs(), commands, excited.assigned_input
+            excited.inputs, outputs, commands, excited.assigned_input
         )
         return {name: found[name] for name in self.inputs.names}
 

@@ -98,7 +98,7 @@ def measure_single_response(
         )
     overlap = spectra.resolution_overlap
     if name == surface:
-        found = spectra.responses()[surface]
+        found = spectra.responses[surface]
         std = None if found.std is None else found.std[:, 0, 0]
         return SingleResponse(found.omega, found.values[:, 0, 0], std, overlap, ())
     if spectra.commands is None:

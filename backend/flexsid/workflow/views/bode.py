@@ -151,7 +151,7 @@ def _measure_responses(
     frequencies = select_frequencies(maneuver)
     coherence = compute_period_coherence(store, maneuver, outputs, frequencies)
     columns = {}
-    for number, (name, response) in enumerate(measurement.transform().responses().items()):
+    for number, (name, response) in enumerate(measurement.transform().responses.items()):
         own = np.isin(frequencies.omega, response.omega) & (frequencies.assigned_input == number)
         columns[name] = MeasuredColumn(response, None if coherence is None else coherence[own])
     return columns
