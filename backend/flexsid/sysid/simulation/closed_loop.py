@@ -178,9 +178,7 @@ def simulate_closed_loop(
         commands[late] += states[first:stop, lagged] @ to_commands.T
     states = states[:n_samples]
     commands = commands[lead : lead + n_samples]
-    return SimulatedMotion(
-        rate_hz, states[:, :n_x], states[:, position], commands, gust
-    )
+    return SimulatedMotion(rate_hz, states[:, :n_x], states[:, position], commands, gust)
 
 
 @dataclass(frozen=True, slots=True)
