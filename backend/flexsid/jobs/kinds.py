@@ -19,6 +19,7 @@ from flexsid.records.flutter import (
     PredictedFlutterResult,
 )
 from flexsid.records.global_model import GlobalModelResult, GlobalModelSummary
+from flexsid.records.grey_box import GreyBoxFit
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.quality import CompatibilityReport
@@ -57,7 +58,12 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import parsed_files, uploads
 from flexsid.workflow.maintenance import database, printed_reports
-from flexsid.workflow.measurements import output_only_modes, reconstruction, transfer_functions
+from flexsid.workflow.measurements import (
+    grey_box_fits,
+    output_only_modes,
+    reconstruction,
+    transfer_functions,
+)
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.ground_vibration_test import (
@@ -159,6 +165,11 @@ def _identify_output_only(
 ) -> tuple[object, ...]:
     output_only_modes.check_output_only(store, query)
     return list_run_contents(store, (), (query.maneuver_id,))
+
+
+def _identify_grey_box(store: Store, query: grey_box_fits.GreyBoxQuery) -> tuple[object, ...]:
+    code = grey_box_fits.identify_grey_box(store, query)
+    return (*code, *list_run_contents(store, (), (query.maneuver_id,)))
 
 
 def _count_runs(store: Store, query: Any) -> str:
@@ -501,6 +512,16 @@ OUTPUT_ONLY_MODES = Analysis(
         "/maneuvers/{maneuver_id}?tab=bode&from={start_s}&to={stop_s}&low={low_hz}&high={high_hz}"
         "#output-only"
     ),
+)
+GREY_BOX = Kind(
+    name="grey-box-fit",
+    label="Grey-box fit",
+    request=grey_box_fits.GreyBoxQuery,
+    prepare=_send_maneuver,
+    compute=_in_snapshot(grey_box_fits.compute_grey_box),
+    result=GreyBoxFit,
+    identify=_identify_grey_box,
+    page="/maneuvers/{maneuver_id}?tab=grey-box&fit={id}",
 )
 RESPONSES = Kind(
     name="response-estimation",
