@@ -8,7 +8,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.jobs.kind import Analysis, Kind, Kinds, get_result, save_records
 from flexsid.records.condition_sheet import ConditionSheet
 from flexsid.records.flutter import (
@@ -23,7 +23,7 @@ from flexsid.records.grey_box import GreyBoxFit
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.quality import CompatibilityReport
-from flexsid.records.run import ReportProgress
+from flexsid.records.run import ReportProgress, RunState
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
@@ -667,6 +667,20 @@ def find_stored_predictions(
         return get_result(store, CROSS_PREDICTION, query)
     except FlexsidError:
         return None
+
+
+def read_grey_box(store: Store, fit_id: int) -> GreyBoxFit:
+    """Return the fit of a grey-box model that a job has computed.
+
+    Raises
+    ------
+    UnknownRecord
+        If the job has computed none.
+    """
+    job = store.jobs.get(fit_id)
+    if job.kind != GREY_BOX.name or job.state is not RunState.SUCCEEDED:
+        raise UnknownRecord(f"job {fit_id} has computed no fit of a grey-box model")
+    return GREY_BOX.read_result(job)
 
 
 def read_condition_sheet(

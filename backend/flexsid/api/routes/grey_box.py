@@ -14,11 +14,10 @@ from flexsid.api.models.requests import Request
 from flexsid.api.responses import submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
-from flexsid.errors import UnknownRecord
 from flexsid.extensions import MODELS, find_extension_package, list_extension_names
-from flexsid.jobs.kinds import GREY_BOX
+from flexsid.jobs.kinds import GREY_BOX, read_grey_box
 from flexsid.records.grey_box import GreyBoxFit
-from flexsid.records.run import AdequacyState, RunState
+from flexsid.records.run import AdequacyState
 from flexsid.request_models import body_of
 from flexsid.storage.access import Forbidden, storing_in_campaign
 from flexsid.storage.jobs import job_list
@@ -121,15 +120,11 @@ def list_grey_box_fits(
 @grey_box_router.get("/grey-box-fits/{job_id}", response_model=GreyBoxFit)
 def get_grey_box_fit(store: TheStore, job_id: Identity) -> Json:
     """Return the fit that a job has computed: parameters with standard errors, model, tests."""
-    job = store.jobs.get(job_id)
-    if job.kind != GREY_BOX.name or job.state is not RunState.SUCCEEDED:
-        raise UnknownRecord(f"job {job_id} has computed no fit of a grey-box model")
-    return Json(GREY_BOX.read_result(job))
+    return Json(read_grey_box(store, job_id))
 
 
 def _summarise(store: TheStore, job_id: int) -> GreyBoxItem:
-    job = store.jobs.get(job_id)
-    fit = GREY_BOX.read_result(job)
+    fit = read_grey_box(store, job_id)
     return GreyBoxItem(
         id=job_id,
         model=fit.model,
@@ -139,5 +134,5 @@ def _summarise(store: TheStore, job_id: int) -> GreyBoxItem:
         n_parameters=len(fit.parameters),
         bic=fit.bic,
         adequacy=fit.adequacy,
-        finished_at=job.finished_at,
+        finished_at=store.jobs.get(job_id).finished_at,
     )
