@@ -332,7 +332,7 @@ class _OutputOnly(QueryParameters):
 
 
 class _GreyBox(QueryParameters):
-    fit_id: Annotated[_Id, Field(description="Id of the job that computed the fit.")]
+    job_id: Annotated[_Id, Field(description="Id of the job that computed the fit.")]
 
 
 @parameters_of(TransferFunctionQuery)

@@ -669,7 +669,7 @@ def find_stored_predictions(
         return None
 
 
-def read_grey_box(store: Store, fit_id: int) -> GreyBoxFit:
+def read_grey_box(store: Store, job_id: int) -> GreyBoxFit:
     """Return the fit of a grey-box model that a job has computed.
 
     Raises
@@ -677,9 +677,9 @@ def read_grey_box(store: Store, fit_id: int) -> GreyBoxFit:
     UnknownRecord
         If the job has computed none.
     """
-    job = store.jobs.get(fit_id)
+    job = store.jobs.get(job_id)
     if job.kind != GREY_BOX.name or job.state is not RunState.SUCCEEDED:
-        raise UnknownRecord(f"job {fit_id} has computed no fit of a grey-box model")
+        raise UnknownRecord(f"job {job_id} has computed no fit of a grey-box model")
     return GREY_BOX.read_result(job)
 
 

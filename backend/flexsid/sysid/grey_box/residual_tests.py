@@ -122,18 +122,16 @@ def compute_poles(estimate: GreyBoxEstimate) -> tuple[GreyBoxPole, ...]:
 
     Notes
     -----
-    d lambda = w^H dA v / w^H v with left and right eigenvectors w and v; not defined for a pole
-    that is defective, whose standard errors are large.
+    d lambda = w^H dA v with left and right eigenvectors w and v, scaled so that w^H v = 1; not
+    defined for a pole that is defective, whose standard errors are large.
     """
     A = estimate.matrices.A
     if A.size == 0:
         return ()
-    values, left, right = scipy.linalg.eig(A, left=True, right=True)
-    norms = np.einsum("xr,xr->r", left.conj(), right)
-    norms = np.where(np.abs(norms) > 1e-12, norms, 1e-12)
+    values, right = (part.astype(complex) for part in np.linalg.eig(A))
+    left = np.linalg.pinv(right)
     slopes = np.stack(
-        [np.einsum("xr,xy,yr->r", left.conj(), s.A, right) / norms for s in estimate.slopes],
-        axis=1,
+        [np.einsum("rx,xy,yr->r", left, s.A, right) for s in estimate.slopes], axis=1
     )
     stds = [
         np.sqrt(np.maximum(np.einsum("ri,ij,rj->r", rows, estimate.covariance, rows), 0.0))

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Annotated
 
 import numpy as np
@@ -131,7 +131,7 @@ def identify_grey_box(store: Store, query: GreyBoxQuery) -> tuple[object, ...]:
     return (package,)
 
 
-def _compile(query: GreyBoxQuery) -> object:
+def _compile(query: GreyBoxQuery) -> CodeType:
     try:
         return compile(query.source, query.model, "exec")
     except SyntaxError as error:

@@ -248,7 +248,7 @@ function StoredFit({ id, shared }: FitProps) {
           <Figure
             kind="grey-box-fit"
             title="Amplitudes of the outputs, measured and modelled"
-            params={{ fit_id: id }}
+            params={{ job_id: id }}
             {...shared}
           />
           <Group gap="md">
