@@ -130,9 +130,7 @@ def compute_poles(estimate: GreyBoxEstimate) -> tuple[GreyBoxPole, ...]:
         return ()
     values, right = (part.astype(complex) for part in np.linalg.eig(A))
     left = np.linalg.pinv(right)
-    slopes = np.stack(
-        [np.einsum("rx,xy,yr->r", left, s.A, right) for s in estimate.slopes], axis=1
-    )
+    slopes = np.stack([np.einsum("rx,xy,yr->r", left, s.A, right) for s in estimate.slopes], axis=1)
     stds = [
         np.sqrt(np.maximum(np.einsum("ri,ij,rj->r", rows, estimate.covariance, rows), 0.0))
         for rows in compute_polar_slopes(values, slopes)
