@@ -7,7 +7,8 @@ A package names its values in its metadata, for example::
 
 Their group states what they are: ``flexsid.sensors`` has ``SensorModel`` values,
 ``flexsid.importers`` ``FileFormat``, ``flexsid.estimators`` ``Estimator``,
-``flexsid.receivers`` ``Receiver``, ``flexsid.truths`` ``SimulatedAircraft``.
+``flexsid.receivers`` ``Receiver``, ``flexsid.truths`` ``SimulatedAircraft``,
+``flexsid.models`` ``GreyBox``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ T = TypeVar("T")
 
 SENSORS, IMPORTERS = "flexsid.sensors", "flexsid.importers"
 ESTIMATORS, RECEIVERS = "flexsid.estimators", "flexsid.receivers"
-TRUTHS = "flexsid.truths"
+TRUTHS, MODELS = "flexsid.truths", "flexsid.models"
 """Groups of entry points."""
 
 
@@ -59,6 +60,12 @@ def load_extensions(group: str, kind: type[T]) -> tuple[tuple[str, str, T], ...]
 def list_extension_names(group: str) -> tuple[str, ...]:
     """List the names of the entry points of a group, without importing their packages."""
     return tuple(entry.name for entry in entry_points(group=group))
+
+
+def find_extension_package(group: str, name: str) -> str | None:
+    """Find the package of an entry point, such as ``flexsid-example 1.0``; it is not imported."""
+    found = [entry for entry in entry_points(group=group) if entry.name == name]
+    return _name_package(found[0]) if found else None
 
 
 @contextmanager

@@ -49,6 +49,7 @@ from flexsid.figures.global_model import (
     draw_envelope,
     draw_slice,
 )
+from flexsid.figures.grey_box import draw_grey_box
 from flexsid.figures.modal_data import (
     draw_assurance,
     draw_ground_test,
@@ -85,6 +86,7 @@ from flexsid.jobs.kinds import (
     RECONSTRUCTION,
     TRANSFER_FUNCTION,
     read_condition_sheet,
+    read_grey_box,
 )
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.excitation import DEFAULT_LEVEL
@@ -327,6 +329,10 @@ class _Reconstruction(_Maneuver):
 @parameters_of(OutputOnlyQuery)
 class _OutputOnly(QueryParameters):
     pass
+
+
+class _GreyBox(QueryParameters):
+    job_id: Annotated[_Id, Field(description="Id of the job that computed the fit.")]
 
 
 @parameters_of(TransferFunctionQuery)
@@ -728,6 +734,8 @@ _KINDS = (
         drawing=("view",)),
     FigureKind("output-only-modes", _OutputOnly, _get_output_only, draw_output_only,
         "Draw the spectral density of the outputs with the model of modes from outputs alone."),
+    FigureKind("grey-box-fit", _GreyBox, read_grey_box, draw_grey_box,
+        "Draw the amplitudes of the outputs of a maneuver with those of a grey-box model."),
     FigureKind("loops", _Maneuver, estimate_loops, draw_loops,
         "Draw the measured loop gain of each surface, with its stability margins."),
     FigureKind("ground-test", _Flight, read_ground_spectra, draw_ground_test,

@@ -241,6 +241,7 @@ export const MANEUVER_TABS = {
   spectra: ["spectra", "inputs"],
   reconstruction: ["reconstruction"],
   bode: ["bode", "transfer-function", "output-only"],
+  "grey-box": ["grey-box"],
   runs: ["runs"],
 } as const;
 
@@ -272,6 +273,8 @@ export const maneuverView = view((search) => ({
   integrators: integer(search.integrators),
   /** Without an equivalent delay. */
   no_delay: flag(search.no_delay),
+  /** Job of the fit of a grey-box model. */
+  fit: integer(search.fit),
   /** Scales of the Bode plot; logarithmic frequencies and dB where undefined. */
   frequency_scale: oneOf(search.frequency_scale, ["linear"] as const),
   magnitude_scale: oneOf(search.magnitude_scale, ["log", "linear"] as const),

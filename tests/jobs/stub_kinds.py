@@ -27,7 +27,7 @@ NAMES = (
     *("derivative-prediction", "predicted-flutter", "aerodynamics-comparison", "global-model"),
     *("motion-reconstruction", "mode-identification", "import", "optimal-design"),
     *("posterior-check", "report", "backup", "transfer-function", "response-estimation"),
-    *("orthogonality", "compatibility", "output-only-modes"),
+    *("orthogonality", "compatibility", "output-only-modes", "grey-box-fit"),
 )
 
 # Longer than any test waits: PostgreSQL takes a minute to end the transaction of a server

@@ -44,6 +44,7 @@ from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.uploads import ImportRequest, add_upload
 from flexsid.workflow.maintenance.database import BackupRequest, check_database
 from flexsid.workflow.maintenance.printed_reports import ReportRequest, describe_document
+from flexsid.workflow.measurements.grey_box_fits import GreyBoxQuery
 from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
@@ -171,6 +172,17 @@ def _estimate_responses(store: Store, folder: Path) -> Job:
     return submit(store, kinds.RESPONSES, request)
 
 
+_OWN_MODEL = """
+from flexsid.sysid import GreyBox, GreyBoxParameter as Parameter
+def pitch(p, condition):
+    A = [[0.0, 1.0], [-p["stiffness"], -p["damping"]]]
+    return A, [[p["lag"]], [p["moment"]]], [[0.0, 1.0]], [[0.0]]
+MODEL = GreyBox(title="Pitch", matrices=pitch, inputs={"wf4s": "rad"}, outputs={"q": "rad/s"},
+    parameters=[Parameter("stiffness", 150.0), Parameter("damping", 15.0),
+                Parameter("lag", 0.0), Parameter("moment", -10.0)])
+"""
+
+
 def _compute_orthogonality(store: Store, folder: Path) -> Job:
     file = folder / "mass.npz"
     np.savez(file, mass=np.eye(399))
@@ -241,6 +253,11 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     ),
     kinds.OUTPUT_ONLY_MODES.name: lambda store, folder: submit(
         store, kinds.OUTPUT_ONLY_MODES, OutputOnlyQuery(maneuver_id=1, low_hz=3.0, high_hz=12.0)
+    ),
+    kinds.GREY_BOX.name: lambda store, folder: submit(
+        store,
+        kinds.GREY_BOX,
+        GreyBoxQuery(maneuver_id=1, model="own.py", source=_OWN_MODEL, low_hz=0.5, high_hz=3.0),
     ),
     kinds.POSTERIOR.name: lambda store, folder: _check_posterior(store),
     kinds.PREDICTED_ACCURACY.name: lambda store, folder: submit(

@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
 import httpx2
 import pytest
 import shipped
-from rigid_record import simulate_doublet, write_record
+from rigid_record import SHORT_PERIOD_HZ, simulate_doublet, write_record
 from shipped import Client, ask_command
 from vendor_package import install_package, serving_by
 from waiting import wait_until
 
 METHOD = "least-squares"
-ENTRY = f'[project.entry-points."flexsid.estimators"]\n{METHOD} = "vendor:ESTIMATOR"'
+ENTRY = f"""
+[project.entry-points."flexsid.estimators"]
+{METHOD} = "vendor:ESTIMATOR"
+[project.entry-points."flexsid.models"]
+pitch = "vendor:PITCH"
+"""
 MODULE = """
 from flexsid.workflow.fits.computation import Estimator, fit_regressions
 ESTIMATOR = Estimator(title="Least squares", fit=fit_regressions)
+
+from flexsid.sysid import GreyBox, GreyBoxParameter as Parameter
+def pitch(p, condition):
+    A = [[p["Z_a"], 1.0 + p["Z_q"]], [p["M_a"], p["M_q"]]]
+    return A, [[p["Z_e"]], [p["M_e"]]], [[1, 0], [0, 1]], [[0], [0]]
+STARTS = {"Z_a": -1.0, "Z_q": 0.0, "Z_e": 0.0, "M_a": -5.0, "M_q": -2.0, "M_e": -10.0}
+PITCH = GreyBox(title="Short period", matrices=pitch, inputs={"elevator": "rad"},
+                parameters=[Parameter(*one) for one in STARTS.items()],
+                outputs={"alpha": "rad", "q": "rad/s"})
 """
 GIVEN = {
     **{"name": "Cm_alpha", "output": "q", "input": "elevator", "channel": "q", "against": "fta"},
@@ -90,3 +105,19 @@ def test_no_route_and_no_figure_fails(campaign: tuple[Path, str, Path], installe
     assert {path: one.text for path, one in responses.items() if one.status_code >= 500} == {}
     assert shown == dict.fromkeys(SHOWN, 200)
     assert repeated == (200 if installed else 422)
+
+
+def test_a_model_of_a_package_is_fitted(campaign: tuple[Path, str, Path]) -> None:
+    folder, database, program = campaign
+    with serving_by(program, folder, database) as client:
+        offered = client.get("grey-box-models")
+        body = {"maneuver_id": 1, "model": "pitch"}
+        job = client.send("post", "grey-box-fits", body)
+        ended = client.wait_for_end(f"jobs/{job['id']}")
+        assert ended["state"] == "succeeded", ended["error"]
+        fit = client.get(f"grey-box-fits/{job['id']}")
+    assert offered["installed"] == [{"name": "pitch", "package": "vendor 2.0"}]
+    assert fit["source"] == "vendor 2.0"
+    (pole,) = fit["poles"]
+    frequency_hz = pole["frequency_rad_s"] / (2.0 * math.pi)
+    assert frequency_hz == pytest.approx(SHORT_PERIOD_HZ, abs=0.02)

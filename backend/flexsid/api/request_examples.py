@@ -169,6 +169,19 @@ _PROPOSAL = {
     "run_ids": [1],
     "comparisons": [{"run_ids": [1], "prediction_ids": [1], "coefficient": "Cm"}],
 }
+_GREY_BOX = """from flexsid.sysid import GreyBox, GreyBoxParameter
+
+def roll(p, condition):
+    return [[p["L_p"]]], [[p["L_da"]]], [[1.0]], [[0.0]]
+
+MODEL = GreyBox(
+    title="Roll mode",
+    matrices=roll,
+    parameters=[GreyBoxParameter("L_p", -3.0, "1/s"), GreyBoxParameter("L_da", 9.0, "1/s2")],
+    inputs={"aileron": "rad"},
+    outputs={"p": "rad/s"},
+)
+"""
 _MAPPING = """[aircraft]
 builtin = "FLEX-28"
 [flight]
@@ -358,6 +371,7 @@ BODIES: dict[str, Any] = {
         "window": "hann",
     },
     "save_identified_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "template_id": 1},
+    "request_grey_box_fit": {"maneuver_id": 1, "model": "roll.py", "source": _GREY_BOX},
     "request_orthogonality": {"modal_table_id": 1, "mass": "mass"},
     "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
     "import_mass_properties": {"aircraft_id": 1, "length_unit": "in", "mass_unit": "slinch"},

@@ -230,6 +230,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_transfer_function_options(add("transfer-function", "data:fit_transfer_functions", summary))
     summary = "identify modes from outputs alone, as in turbulence, with standard errors"
     _add_output_only_options(add("output-only", "data:identify_output_only", summary))
+    summary = "fit a model of one's own, state-space matrices of a Python function"
+    _add_grey_box_options(add("grey-box", "grey_box:fit_grey_boxes", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
     _add_compatibility_options(add("compatibility", "data:check_compatibility", summary))
     summary = "take the corrections of the causes that rejected runs name"
@@ -306,6 +308,15 @@ def _add_output_only_options(command: argparse.ArgumentParser) -> None:
     option("--stop", type=float, metavar="S", help="end of the used part [s]")
     meaning = "channels to use; default: all outputs of one clock"
     option("--outputs", default="", metavar="A,B", help=meaning)
+
+
+def _add_grey_box_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("--maneuver", required=True, metavar="ID,ID", help="ids of maneuvers, each fitted alone")
+    meaning = "file that defines a GreyBox, or the name of an installed model"
+    option("--model", required=True, metavar="FILE.py", help=meaning)
+    option("--method", choices=("OE", "FRE"), default="OE", help="estimator; default: OE")
+    option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
 
 
 def _add_compatibility_options(command: argparse.ArgumentParser) -> None:

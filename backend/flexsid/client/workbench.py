@@ -564,6 +564,55 @@ class Workbench:
         """
         return self.compute("output-only-modes", maneuver_id=maneuver_id, **options)
 
+    def fit_grey_box(
+        self,
+        maneuver_id: int,
+        model: str | Path,
+        *,
+        method: str = "OE",
+        band_hz: tuple[float, float] | None = None,
+    ) -> dict[str, Any]:
+        """Fit a model of one's own to a maneuver; return its parameters with standard errors.
+
+        Parameters
+        ----------
+        maneuver_id
+            Maneuver, whose channels have the names of the model's inputs and outputs.
+        model
+            File that defines a ``GreyBox`` (in personal mode), or the name of an installed model.
+        method
+            ``OE`` or ``FRE``.
+        band_hz
+            Limits of the band, the excited one by default. [Hz]
+
+        Returns
+        -------
+        dict
+            The fit, with the ``id`` of its job.
+
+        Raises
+        ------
+        RunFailed
+            If the model fails, or the data do not determine its parameters; the message states
+            the line of the file, or the reason.
+        """
+        file = Path(model)
+        body: dict[str, Any] = {"maneuver_id": maneuver_id, "model": str(model), "method": method}
+        if file.suffix == ".py":
+            body |= {"model": file.name, "source": file.read_text(encoding="utf-8")}
+        if band_hz is not None:
+            body |= {"low_hz": band_hz[0], "high_hz": band_hz[1]}
+        job = self.post("grey-box-fits", body)
+        self.wait(job["id"])
+        return {"id": job["id"], **self.get(f"grey-box-fits/{job['id']}")}
+
+    def grey_box(self, fit_id: int) -> control.StateSpace:
+        """Return the model of a fit with its fitted parameters, for python-control.
+
+        ``fit_id`` is that of its job, ``fit_grey_box(...)["id"]``.
+        """
+        return _build_state_space(self.get(f"grey-box-fits/{fit_id}"))
+
     def check_compatibility(self, maneuver_ids: Iterable[int]) -> dict[str, Any]:
         """Compare the sensors of maneuvers by kinematics; return their faults with corrections.
 
@@ -645,15 +694,7 @@ class Workbench:
         Delays and scale factors of the outputs are not included; ``get("runs/1/model")``
         returns them with the units.
         """
-        import control  # takes seconds to load
-
-        found = self.get(f"runs/{run_id}/model")
-        return control.StateSpace(
-            *(found[name] for name in "ABCD"),
-            states=found["states"],
-            inputs=found["inputs"],
-            outputs=found["outputs"],
-        )
+        return _build_state_space(self.get(f"runs/{run_id}/model"))
 
     def save_model(self, run_id: int, file: str | Path) -> None:
         """Write an identified model to a ``.mat``, ``.json`` or ``.fmu`` file (FMI 2.0)."""
@@ -742,3 +783,15 @@ class Workbench:
     def numbers(self, kind: str, **query: Any) -> pandas.DataFrame:
         """Return the data of a figure: one row per point with curve, axes, x, y and error."""
         return read_csv(self._connection.get(f"figures/{kind}", {**query, "format": "csv"}))
+
+
+def _build_state_space(found: dict[str, Any]) -> control.StateSpace:
+    """Build a model of the interface for python-control, with the names of its signals."""
+    import control  # takes seconds to load
+
+    return control.StateSpace(
+        *(found[name] for name in "ABCD"),
+        states=list(found["states"]),
+        inputs=list(found["inputs"]),
+        outputs=list(found["outputs"]),
+    )

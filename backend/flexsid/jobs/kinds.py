@@ -8,7 +8,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.jobs.kind import Analysis, Kind, Kinds, get_result, save_records
 from flexsid.records.condition_sheet import ConditionSheet
 from flexsid.records.flutter import (
@@ -19,10 +19,11 @@ from flexsid.records.flutter import (
     PredictedFlutterResult,
 )
 from flexsid.records.global_model import GlobalModelResult, GlobalModelSummary
+from flexsid.records.grey_box import GreyBoxFit
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.quality import CompatibilityReport
-from flexsid.records.run import ReportProgress
+from flexsid.records.run import ReportProgress, RunState
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
@@ -57,7 +58,12 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import parsed_files, uploads
 from flexsid.workflow.maintenance import database, printed_reports
-from flexsid.workflow.measurements import output_only_modes, reconstruction, transfer_functions
+from flexsid.workflow.measurements import (
+    grey_box_fits,
+    output_only_modes,
+    reconstruction,
+    transfer_functions,
+)
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.ground_vibration_test import (
@@ -159,6 +165,11 @@ def _identify_output_only(
 ) -> tuple[object, ...]:
     output_only_modes.check_output_only(store, query)
     return list_run_contents(store, (), (query.maneuver_id,))
+
+
+def _identify_grey_box(store: Store, query: grey_box_fits.GreyBoxQuery) -> tuple[object, ...]:
+    code = grey_box_fits.identify_grey_box(store, query)
+    return (*code, *list_run_contents(store, (), (query.maneuver_id,)))
 
 
 def _count_runs(store: Store, query: Any) -> str:
@@ -502,6 +513,16 @@ OUTPUT_ONLY_MODES = Analysis(
         "#output-only"
     ),
 )
+GREY_BOX = Kind(
+    name="grey-box-fit",
+    label="Grey-box fit",
+    request=grey_box_fits.GreyBoxQuery,
+    prepare=_send_maneuver,
+    compute=_in_snapshot(grey_box_fits.compute_grey_box),
+    result=GreyBoxFit,
+    identify=_identify_grey_box,
+    page="/maneuvers/{maneuver_id}?tab=grey-box&fit={id}",
+)
 RESPONSES = Kind(
     name="response-estimation",
     label="Frequency responses",
@@ -646,6 +667,20 @@ def find_stored_predictions(
         return get_result(store, CROSS_PREDICTION, query)
     except FlexsidError:
         return None
+
+
+def read_grey_box(store: Store, job_id: int) -> GreyBoxFit:
+    """Return the fit of a grey-box model that a job has computed.
+
+    Raises
+    ------
+    UnknownRecord
+        If the job has computed none.
+    """
+    job = store.jobs.get(job_id)
+    if job.kind != GREY_BOX.name or job.state is not RunState.SUCCEEDED:
+        raise UnknownRecord(f"job {job_id} has computed no fit of a grey-box model")
+    return GREY_BOX.read_result(job)
 
 
 def read_condition_sheet(

@@ -11,6 +11,15 @@ from .estimation.likelihood import maximize as maximize
 from .estimation.output_error import output_error as output_error
 from .excitation.multisine import assign_harmonics as assign_harmonics
 from .excitation.multisine import design_multisine as design_multisine
+from .grey_box.fit import GreyBoxData as GreyBoxData
+from .grey_box.fit import GreyBoxEstimate as GreyBoxEstimate
+from .grey_box.fit import fit_grey_box as fit_grey_box
+from .grey_box.model import GreyBox as GreyBox
+from .grey_box.model import GreyBoxParameter as GreyBoxParameter
+from .grey_box.python_control import build_state_space as build_state_space
+from .grey_box.python_control import (
+    fit_frequency_response_data as fit_frequency_response_data,
+)
 from .model.aeroelastic import AeroelasticModel as AeroelasticModel
 from .model.aeroelastic import StateSpace as StateSpace
 from .model.airspeed import AIRSPEED as AIRSPEED

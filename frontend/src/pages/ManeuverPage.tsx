@@ -10,6 +10,7 @@ import { BodeTab } from "../components/maneuvers/BodeTab";
 import { CompatibilityTab } from "../components/quality/CompatibilityTab";
 import { ManeuverRuns } from "../components/maneuvers/ManeuverRuns";
 import { NotesButton } from "../components/display/Notes";
+import { GreyBoxTab } from "../components/maneuvers/GreyBoxTab";
 import { OutputOnlyTab } from "../components/maneuvers/OutputOnlyTab";
 import { PageHead } from "../components/frame/PageHead";
 import { SectionTabs, type SectionContents } from "../components/frame/SectionTabs";
@@ -30,6 +31,7 @@ const TAB_NAMES = {
   spectra: "Spectra",
   reconstruction: "Reconstruction",
   bode: "Frequency responses",
+  "grey-box": "Grey box",
   runs: "Runs",
 };
 
@@ -62,6 +64,7 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
     bode: ["Bode", <BodeTab {...tabProps} />],
     "transfer-function": ["Transfer function", <TransferFunctionTab {...tabProps} />],
     "output-only": ["Output-only modes", <OutputOnlyTab {...tabProps} />],
+    "grey-box": ["Grey box", <GreyBoxTab {...tabProps} />],
     runs: ["Runs", <ManeuverRuns {...tabProps} />],
   };
   return (

@@ -17,8 +17,9 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.live_events import JobUpdate
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.router import make_router
+from flexsid.api.routes.grey_box import refuse_code
 from flexsid.api.serialization import After, Identity, Json, Limit, Reference, dump_json
-from flexsid.jobs.kinds import load_kinds
+from flexsid.jobs.kinds import GREY_BOX, load_kinds
 from flexsid.records.account import AccountRole
 from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
@@ -155,6 +156,9 @@ def cancel_job(context: TheContext, job_id: Identity) -> Json:
 @jobs_router.post("/{job_id}/retry", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
 def retry_job(context: TheContext, job_id: Identity) -> Json:
     """Queue a failed or cancelled job again."""
+    job = context.store.jobs.get(job_id)
+    if job.kind == GREY_BOX.name and GREY_BOX.read_request(job).source:
+        refuse_code(context)
     with context.store.transaction():  # as it was queued; it may start at once
         queue.request_retry(context.store, job_id)
         queued = job_list.get(context.store, job_id)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from statistics import median
@@ -20,7 +20,7 @@ from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 
 _RECENT = 300  # ended jobs from which typical times are computed
 _SLOWEST = 3.0  # typical times of the slowest kind of job, in which the rate of jobs is counted
-_DESIGN, _IMPORT = "excitation-design", "import"
+_DESIGN, _IMPORT, _GREY_BOX = "excitation-design", "import", "grey-box-fit"
 _STORING = (
     *(_DESIGN, _IMPORT, "preflight-simulation", "derivative-prediction", "response-estimation"),
 )
@@ -39,8 +39,8 @@ class JobItem:
     """Progress of a job; the job of a run has its id, maneuver and method.
 
     ``position`` is the number of queued jobs that start before, without the fairness between
-    analysts. ``request`` is omitted for designs, and has only the upload of imports. ``result``
-    has the ids of the records that the job stored.
+    analysts. ``request`` is omitted for designs, and has only the upload of imports, and no file of
+    a model. ``result`` has the ids of the records that the job stored.
     """
 
     id: int
@@ -201,7 +201,21 @@ def count_latest(store: Store, kind: str) -> dict[RunState, int]:
 
 def find_newest(store: Store, kind: str, **request: int | str) -> JobItem | None:
     """Return the newest job of a kind whose request has these values."""
-    equal = [
+    equal = jobs.c.kind == kind, *_match(request)
+    found = _read(store, _jobs.where(*equal).order_by(jobs.c.id.desc()).limit(1))
+    return found[0] if found else None
+
+
+def list_succeeded(store: Store, kind: str, **request: int | str) -> list[int]:
+    """List the ids of succeeded jobs of a kind whose request has these values, newest first."""
+    succeeded = jobs.c.kind == kind, jobs.c.state == RunState.SUCCEEDED.value
+    query = sa.select(jobs.c.id).where(*succeeded, *_match(request)).order_by(jobs.c.id.desc())
+    with store.database.reading() as connection:
+        return list(connection.execute(query).scalars())
+
+
+def _match(request: Mapping[str, int | str]) -> list[sa.ColumnElement[bool]]:
+    return [
         (
             jobs.c.request[name].as_integer()
             if isinstance(value, int)
@@ -210,10 +224,6 @@ def find_newest(store: Store, kind: str, **request: int | str) -> JobItem | None
         == value
         for name, value in request.items()
     ]
-    found = _read(
-        store, _jobs.where(jobs.c.kind == kind, *equal).order_by(jobs.c.id.desc()).limit(1)
-    )
-    return found[0] if found else None
 
 
 def find_active(store: Store, kind: str) -> list[tuple[int, dict[str, Any]]]:
@@ -247,6 +257,8 @@ def _read(store: Store, query: sa.Executable) -> list[JobItem]:
 def _build_item(row: RowMapping, position: int | None) -> JobItem:
     values: dict[Any, Any] = dict(row)
     label, upload_id = values.pop("label"), values.pop("upload_id")
+    if values["kind"] == _GREY_BOX:
+        values["request"] = {k: v for k, v in values["request"].items() if k != "source"}
     progress, error = values["progress"], values["error"]
     values |= {
         "title": label or values["title"],

@@ -229,7 +229,8 @@ def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
 
 # --- Channels and spectra of one maneuver, read from the database ---------------------------------
 
-_LOW_OMEGA = 0.1  # far below the corner of any instrument: the phase is that of a lag [rad/s]
+LOW_OMEGA = 0.1
+"""Far below the corner of any instrument: the phase of its response is that of a lag. [rad/s]"""
 
 
 def load_channels(
@@ -372,15 +373,15 @@ def _find_lags(
     outputs: Sequence[OutputDefinition],
 ) -> dict[str, float]:
     """Find the times by which the instruments of channels record slow motion later. [s]"""
-    low = np.array([_LOW_OMEGA])
+    low = np.array([LOW_OMEGA])
     lags = {}
     for output in outputs:
         phase = np.angle(get_output_instrument(aircraft, output).response(low)[0])
-        lags |= {part: -phase / _LOW_OMEGA for part, _ in recording.parts[output.name]}
+        lags |= {part: -phase / LOW_OMEGA for part, _ in recording.parts[output.name]}
     for name, factor in zip(
         inputs, compute_input_corrections(aircraft, inputs, low)[0], strict=True
     ):
-        lags |= {part: np.angle(factor) / _LOW_OMEGA for part, _ in recording.parts[name]}
+        lags |= {part: np.angle(factor) / LOW_OMEGA for part, _ in recording.parts[name]}
     return lags
 
 

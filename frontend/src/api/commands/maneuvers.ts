@@ -1,7 +1,7 @@
 /** Cuts maneuvers, corrects their channels and judges them. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
-import type { CutRequest, StepRequest } from "../types";
+import type { CutRequest, GreyBoxRequest, StepRequest } from "../types";
 
 /** Cuts maneuvers out of a flight, one after the other; what was cut stays when one is refused. */
 export function useCut(flightId: number) {
@@ -82,5 +82,15 @@ export function useAssess() {
         ? body(api.POST("/api/v1/quality/assess", { body: {} }))
         : body(api.DELETE("/api/v1/quality/assess")),
     onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),
+  });
+}
+
+/** Fits a grey-box model to a maneuver; the job of an equal request is the same. */
+export function useFitGreyBox() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: GreyBoxRequest) =>
+      body(api.POST("/api/v1/grey-box-fits", { body: request })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["grey-box-fits"] }),
   });
 }

@@ -82,6 +82,32 @@ export interface OutputOnlyParams {
 export const outputOnlyResult = (query: OutputOnlyParams) =>
   storedResult("/api/v1/output-only-modes", { query });
 
+/** Installed grey-box models, and whether files are accepted. */
+export const greyBoxModelsQuery = queryOptions({
+  queryKey: ["grey-box-models"],
+  queryFn: ({ signal }) => body(api.GET("/api/v1/grey-box-models", { signal })),
+  staleTime: Infinity,
+});
+
+/** The fits of grey-box models to a maneuver, newest first. */
+export const greyBoxFitsQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["grey-box-fits", id],
+    queryFn: ({ signal }) =>
+      items(api.GET("/api/v1/grey-box-fits", { params: { query: { maneuver_id: id } }, signal })),
+  });
+
+/** The fit of a grey-box model that a job has computed. */
+export const greyBoxFitQuery = (jobId: number) =>
+  queryOptions({
+    queryKey: ["grey-box-fit", jobId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/grey-box-fits/{job_id}", { params: { path: { job_id: jobId } }, signal }),
+      ),
+    staleTime: Infinity,
+  });
+
 /** The sensors of maneuvers of one recorder compared by kinematics. */
 export const compatibilityResult = (ids: number[]) =>
   storedResult("/api/v1/compatibility", { query: { maneuver_ids: ids.join(",") } });
