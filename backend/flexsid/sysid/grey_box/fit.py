@@ -297,7 +297,7 @@ class _Problem:
         """Compute the state at a trial; None where the function has no value there."""
         try:
             return self.at(theta)
-        except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+        except (ArithmeticError, ValueError):
             return None
 
     def _split_ends(self, theta: np.ndarray) -> list[np.ndarray]:

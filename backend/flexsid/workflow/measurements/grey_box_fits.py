@@ -227,7 +227,7 @@ def _read_data(
         )
         scale_u, scale_y = _find_scales(measured.recording, model)
         responses = []
-        for factor, one in zip(scale_u, measured.transform().responses().values(), strict=True):
+        for factor, one in zip(scale_u, measured.transform().responses.values(), strict=True):
             scale = scale_y[:, None] / factor
             std = None if one.std is None else one.std * scale
             responses.append(replace(one, values=one.values * scale, std=std))
