@@ -13,6 +13,7 @@ from speed_ramp import find_doubling_s, fly_speed_ramp
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.demo.truth_flight import FlownChannel
 from flexsid.errors import BadInput
 from flexsid.records.decision import Structure
 from flexsid.records.live import AlarmKind, Frame, LiveCondition, LiveMode, LivePhase, LiveState
@@ -31,7 +32,12 @@ from flexsid.workflow.live.live_estimator import (
     LiveProcessor,
     build_live_bode,
 )
-from flexsid.workflow.live.live_fit import LiveTask, adjust_live_task, prepare_live_task
+from flexsid.workflow.live.live_fit import (
+    LiveTask,
+    adjust_live_task,
+    choose_frame_length,
+    prepare_live_task,
+)
 from flexsid.workflow.live.stream_processor import StreamProcessor
 
 MODES = (7, 9)
@@ -81,6 +87,21 @@ def build_stream_of(folder, flown: FlownManeuver) -> Stream:
     return Stream(task, frames, flown, partial(adjust_live_task, store, run))
 
 
+def sample_again(flown: FlownManeuver, rate_hz: float) -> FlownManeuver:
+    """Interpolate all channels of a higher rate at this one."""
+
+    def change(channel: FlownChannel) -> FlownChannel:
+        if channel.rate_hz <= rate_hz:
+            return channel
+        recorded_s = np.arange(channel.samples.size) / channel.rate_hz
+        samples = np.interp(
+            np.arange(0.0, recorded_s[-1], 1.0 / rate_hz), recorded_s, channel.samples
+        )
+        return replace(channel, rate_hz=rate_hz, samples=samples.astype(np.float32))
+
+    return replace(flown, channels=tuple(map(change, flown.channels)))
+
+
 @pytest.fixture(scope="module")
 def stream(tmp_path_factory) -> Stream:
     return build_stream(tmp_path_factory.mktemp("slow"), 0.8)
@@ -117,6 +138,36 @@ def check_flutter_speeds(stream: Stream, states: list[LiveState]) -> None:
         assert found is not None
         assert std is not None
         assert abs(found - true) < 3.0 * std
+
+
+@pytest.mark.parametrize(
+    ("rates_hz", "frame_s"),
+    [
+        *(((50.0,), 0.06), ((64.0,), 4 / 64), ((100.0,), 0.05), ((128.0,), 7 / 128)),
+        *(((250.0,), 0.052), ((256.0,), 13 / 256), ((500.0,), 0.05), ((1000.0,), 0.05)),
+        *(((400.0, 100.0), 0.05), ((250.0, 100.0), 0.06), ((400.0, 10.0), 0.1)),
+        ((99.98,), 5 / 99.98),
+    ],
+)
+def test_a_frame_has_whole_numbers_of_samples_at_any_rate(rates_hz, frame_s):
+    found = choose_frame_length({f"y{k}": rate for k, rate in enumerate(rates_hz)})
+    assert found == pytest.approx(frame_s, rel=1e-12)
+
+
+def test_rates_that_share_no_frame_are_refused():
+    with pytest.raises(BadInput, match=r"every 1 s.*q at 100 Hz, az at 333 Hz"):
+        choose_frame_length({"q": 100.0, "az": 333.0})
+
+
+def test_a_stream_at_another_rate_has_the_same_flutter_speed(tmp_path):
+    """128 Hz: neither a divisor of the recorder's rate nor of whole samples in 50 ms."""
+    flown = fly(airspeed_ratio=0.8, modes_in_truth=len(MODES), seed=3)
+    slow = build_stream_of(tmp_path, sample_again(flown, 128.0))
+    assert slow.task.header.frame_s == pytest.approx(7 / 128)
+    last = process(slow.task, slow.frames)[-1]
+    assert last.phase is LivePhase.ENDED
+    check_flutter_speeds(slow, [last])
+    assert compute_deviation(slow, last) < 1.5
 
 
 def test_the_flutter_speed_is_known_within_its_interval_after_a_few_seconds(stream, clean):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import ceil, gcd, lcm
 
 import numpy as np
 from scipy.special import ndtr
@@ -52,8 +54,12 @@ from flexsid.workflow.runs.estimation import prepare
 # --- LiveTask: everything that the processing of a stream needs, without a database ---------------
 
 FRAME_S = 0.05
-"""Length of a frame: transforms are updated as often. [s]"""
+"""Length of a frame, or the least of one that is longer: transforms are updated as often. [s]"""
 
+LONGEST_FRAME_S = 0.5
+"""Longest frame: the page then has two estimates in a second. [s]"""
+
+_FINEST_RATE = 1000  # denominator of a sampling rate: 99.98 Hz are 4999/50 Hz
 
 _SAME_CONDITION = 2e-4
 """Change of airspeed, density (relative) or fuel fraction for which a model is not built again:
@@ -119,8 +125,8 @@ def prepare_live_task(
     Raises
     ------
     BadInput
-        As ``prepare`` of a run; if the excitation was not recorded, or a limit is of an unknown
-        channel.
+        As ``prepare`` of a run; if the excitation was not recorded, a limit is of an unknown
+        channel, or no frame has whole numbers of samples of all channels that are used.
     """
     task = prepare(store, run, condition)
     measurement = task.maneuver_tasks[0].measurement
@@ -134,10 +140,12 @@ def prepare_live_task(
     used = {*measurement.inputs, *commands}
     used |= {part.name for output in measurement.outputs for part, _ in output.terms}
     recorded = {channel.name for channel, _ in measurement.recording.channels}
+    stored = store.channels.find(maneuver_id=run.maneuver_id)
+    frame_s = choose_frame_length({c.name: c.rate_hz for c in stored if c.name in used})
     channels = tuple(
         StreamChannel(name=c.name, unit=c.unit, role=c.role, rate_hz=c.rate_hz)
-        for c in store.channels.find(maneuver_id=run.maneuver_id)
-        if c.name in used or _count_samples(c.rate_hz) is not None
+        for c in stored
+        if c.name in used or is_whole(c.rate_hz * frame_s)
     )
     known = {channel.name for channel in channels}
     for name, (low, high) in (limits or {}).items():
@@ -162,7 +170,7 @@ def prepare_live_task(
             fuel_fraction=flown.fuel_fraction,
             is_measured=condition is not None,
         ),
-        header=StreamHeader(channels=channels, frame_s=FRAME_S),
+        header=StreamHeader(channels=channels, frame_s=frame_s),
         processed=frozenset(used & recorded),
         model=task.model,
         aircraft=measurement.aircraft,
@@ -241,10 +249,45 @@ def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask
     )
 
 
-def _count_samples(rate_hz: float) -> int | None:
-    """Count the samples of a channel in a frame; None if they are not a whole number."""
-    count = rate_hz * FRAME_S
-    return round(count) if count > 0.5 and abs(count - round(count)) < 1e-6 else None
+def choose_frame_length(rates_hz: Mapping[str, float]) -> float:
+    """Choose the shortest frame with whole numbers of samples of all channels.
+
+    Parameters
+    ----------
+    rates_hz
+        Sampling rates by channel. [Hz]
+
+    Returns
+    -------
+    float
+        A multiple of the period that all rates share, `FRAME_S` or longer. [s]
+
+    Raises
+    ------
+    BadInput
+        If it would be longer than `LONGEST_FRAME_S`.
+    """
+    rates = {
+        name: Fraction(rate).limit_denominator(_FINEST_RATE) for name, rate in rates_hz.items()
+    }
+    whole = lcm(*(rate.denominator for rate in rates.values()))
+    shared_hz = Fraction(gcd(*(int(rate * whole) for rate in rates.values())), whole)
+    frame = ceil(Fraction(str(FRAME_S)) * shared_hz) / shared_hz
+    if frame > LONGEST_FRAME_S:
+        found = {rate: name for name, rate in rates.items()}
+        examples = ", ".join(f"{name} at {float(rate):g} Hz" for rate, name in found.items())
+        raise BadInput(
+            f"samples of all channels coincide only every {float(1 / shared_hz):.3g} s; expected "
+            f"{LONGEST_FRAME_S:g} s or less. Rates are {examples}. Send channels that are used at "
+            "rates with a large common divisor, such as 100 and 250 Hz",
+            code="uneven-frame",
+        )
+    return float(frame)
+
+
+def is_whole(n_samples: float) -> bool:
+    """Return whether this is one sample or a larger whole number of them."""
+    return n_samples > 0.5 and abs(n_samples - round(n_samples)) < 1e-6
 
 
 def check_header(header: StreamHeader) -> None:
@@ -257,7 +300,7 @@ def check_header(header: StreamHeader) -> None:
     """
     for channel in header.channels:
         count = channel.rate_hz * header.frame_s
-        if count < 1.0 or abs(count - round(count)) > 1e-6:
+        if not is_whole(count):
             raise BadInput(
                 f"channel '{channel.name}' has {count:g} samples in a frame of {header.frame_s:g} "
                 "s; frames need a whole number of samples of every channel",
