@@ -118,7 +118,8 @@ def test_actuator_delay_only_shifts_open_loop_motion():
         airframe, replace(_TRUTH.actuator, delay_s=0.0), excitation, RATE_HZ
     )
     late = simulate_closed_loop(airframe, _TRUTH.actuator, excitation, RATE_HZ)
-    np.testing.assert_array_equal(late.states[12:], prompt.states[:-12])
+    rounding = 1e-13 * np.abs(prompt.states).max(axis=0)  # blocks of samples differ in length
+    assert np.all(np.abs(late.states[12:] - prompt.states[:-12]) <= rounding)
 
 
 def test_actuators_obey_their_limits_and_arrive():

@@ -243,7 +243,7 @@ def list_response_data(responses: Sequence[FrequencyResponse], model: GreyBox) -
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _FitState:
     """Matrices, states, residuals and cost at parameters and end states; scaled by the noise."""
 
     theta: np.ndarray
@@ -256,7 +256,7 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
-class _Problem:
+class _GreyBoxProblem:
     """Model, data, and priors of parameters and end states."""
 
     model: GreyBox
@@ -267,7 +267,7 @@ class _Problem:
     mean: np.ndarray
     information: np.ndarray
 
-    def at(self, theta: np.ndarray) -> _State | None:
+    def at(self, theta: np.ndarray) -> _FitState | None:
         """Compute the state at theta; None without a finite response."""
         n = len(self.model.parameters)
         found = self.model.evaluate(theta[:n], self.condition)
@@ -291,9 +291,9 @@ class _Problem:
             modelled.append(outputs)
             residuals.append(nu)
             densities.append(density)
-        return _State(theta, found, motions, modelled, residuals, densities, cost)
+        return _FitState(theta, found, motions, modelled, residuals, densities, cost)
 
-    def try_at(self, theta: np.ndarray) -> _State | None:
+    def try_at(self, theta: np.ndarray) -> _FitState | None:
         """Compute the state at a trial; None where the function has no value there."""
         try:
             return self.at(theta)
@@ -309,7 +309,7 @@ class _Problem:
             rest = rest[size:]
         return result
 
-    def jacobian(self, state: _State) -> list[Complex[np.ndarray, "n_omega n_y n_theta"]]:
+    def jacobian(self, state: _FitState) -> list[Complex[np.ndarray, "n_omega n_y n_theta"]]:
         """Differentiate the scaled outputs of every data set."""
         n = len(self.model.parameters)
         slopes = differentiate(self.model, state.theta[:n], self.condition, analytic=self.analytic)
@@ -373,7 +373,7 @@ def _fit(
         mean[k] = one.start
         if one.prior is not None:
             mean[k], information[k] = one.prior[0], 0.5 / one.prior[1] ** 2
-    problem = _Problem(model, data, condition, analytic, n_x, mean, information)
+    problem = _GreyBoxProblem(model, data, condition, analytic, n_x, mean, information)
     n_data = sum(2 * one.outputs.size for one in data)
     n_free = int(np.count_nonzero(information[:n] == 0.0))
     if n_data <= n_free + n_ends:
@@ -398,7 +398,7 @@ def _fit(
     return _build_estimate(problem, state, outcome, total, n_data)
 
 
-def _bound_ends(problem: _Problem, state: _State) -> _Problem:
+def _bound_ends(problem: _GreyBoxProblem, state: _FitState) -> _GreyBoxProblem:
     """Return the problem with priors of end states from the rms amplitude of the states.
 
     By Parseval's theorem the mean square of a state is 2/T^2 times the sum of its powers.
@@ -415,8 +415,8 @@ def _bound_ends(problem: _Problem, state: _State) -> _Problem:
 
 
 def _maximize(
-    problem: _Problem, state: _State, report: Callable[[int, float], None] | None
-) -> tuple[_State, Outcome, int]:
+    problem: _GreyBoxProblem, state: _FitState, report: Callable[[int, float], None] | None
+) -> tuple[_FitState, Outcome, int]:
     damping = _FIRST_DAMPING
     for iteration in range(1, _ITERATIONS + 1):
         N, g, concentrated = _expand(problem, state)
@@ -441,7 +441,9 @@ def _maximize(
     return state, Outcome.ITERATION_LIMIT, _ITERATIONS
 
 
-def _expand(problem: _Problem, state: _State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _expand(
+    problem: _GreyBoxProblem, state: _FitState
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Compute N, g, and the columns whose square S concentrated out removes from N."""
     N = np.diag(problem.information)
     g = problem.information * (problem.mean - state.theta)
@@ -477,7 +479,7 @@ def _whiten(
 
 
 def _build_estimate(
-    problem: _Problem, state: _State, outcome: Outcome, iterations: int, n_data: int
+    problem: _GreyBoxProblem, state: _FitState, outcome: Outcome, iterations: int, n_data: int
 ) -> GreyBoxEstimate:
     n, n_theta = len(problem.model.parameters), state.theta.size
     inflation = n_data / max(n_data - n_theta, 1)
@@ -527,7 +529,7 @@ def _build_estimate(
 
 
 def _invert_factor(
-    rows: Float[np.ndarray, "n_rows n_theta"], problem: _Problem
+    rows: Float[np.ndarray, "n_rows n_theta"], problem: _GreyBoxProblem
 ) -> Float[np.ndarray, "n_theta n_theta"]:
     """Return the inverse of R of the QR factorisation of the rows.
 

@@ -160,7 +160,7 @@ def simulate_closed_loop(
     commands = np.vstack([np.zeros((lead, n_u)), excitation, np.zeros((wait, n_u))])
     states = np.zeros((n_samples + 1, transition.shape[0]))
     # Commands of so many samples are known before the first of them is simulated.
-    block = _Block.build(transition, np.hstack([entry, gust_entry[:, None]]), wait + lead)
+    block = _SampleBlock.build(transition, np.hstack([entry, gust_entry[:, None]]), wait + lead)
     for first in range(0, n_samples, wait + lead):
         stop = min(first + wait + lead, n_samples)
         driven = np.column_stack([commands[first:stop], gust[first:stop]])
@@ -182,7 +182,7 @@ def simulate_closed_loop(
 
 
 @dataclass(frozen=True, slots=True)
-class _Block:
+class _SampleBlock:
     """States of several samples, linear in the first state and in what drives each sample."""
 
     free: Float[np.ndarray, "n_block n_all n_all"]
@@ -194,7 +194,7 @@ class _Block:
         transition: Float[np.ndarray, "n_all n_all"],
         entry: Float[np.ndarray, "n_all n_in"],
         n_block: int,
-    ) -> _Block:
+    ) -> _SampleBlock:
         """Multiply the transitions of the samples of a block."""
         free = [transition]
         for _ in range(n_block - 1):
