@@ -106,7 +106,7 @@ def test_standard_errors_of_unstable_hover_cubics_hold(draws: int) -> None:
         assert estimate.matrices.A.shape == (8, 8)
         assert estimate.by_complex_step
         found.append(deviate(estimate, HOVER))
-        unstable = [one for one in compute_poles(estimate) if one.root.real > 0.0]
+        unstable = [one for one in compute_poles(estimate) if one.real_rad_s > 0.0]
         assert len(unstable) == 2
     _check_coverage(np.array(found))
 
@@ -124,7 +124,7 @@ def test_derivatives_by_complex_step_are_those_of_differences() -> None:
     exact = differentiate(HOVER_MODEL, theta, None, analytic=True)
     compared = differentiate(HOVER_MODEL, theta, None, analytic=False)
     for one, other in zip(exact, compared, strict=True):
-        for a, b in zip(one.list_all(), other.list_all(), strict=True):
+        for a, b in zip(one, other, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-7, atol=1e-9)
 
 

@@ -67,7 +67,8 @@ def _format_fit(fit: GreyBoxFit) -> Iterator[str]:
     yield f"  {'parameter':<16}{'value ± standard error':>26}  unit"
     for one in fit.parameters:
         yield f"  {one.name:<16}{_format(one.value, one.std):>26}  {one.unit or '1'}"
-    yield f"  {'pole':<16}{'frequency [rad/s]':>26}{'damping ratio':>26}"
+    if fit.poles:
+        yield f"  {'pole':<16}{'frequency [rad/s]':>26}{'damping ratio':>26}"
     for number, pole in enumerate(fit.poles, start=1):
         frequency = _format(pole.frequency_rad_s, pole.frequency_std_rad_s)
         yield f"  {number:<16}{frequency:>26}{_format(pole.damping, pole.damping_std):>26}"

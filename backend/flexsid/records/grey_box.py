@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexsid.records.run import AdequacyState
+from flexsid.sysid.grey_box.residual_tests import ResidualTestResult
+from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,21 +29,6 @@ class FittedParameter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FittedPole:
-    """Pole of a fitted model; of a pair, that above the real axis.
-
-    Of a real pole ``frequency_rad_s`` is the inverse of its time constant, and ``damping`` 1 or -1.
-    """
-
-    real_rad_s: float
-    imag_rad_s: float
-    frequency_rad_s: float
-    frequency_std_rad_s: float | None
-    damping: float
-    damping_std: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FittedResponse:
     """Amplitudes of an output, or of its response to an input, measured and modelled."""
 
@@ -56,23 +43,13 @@ class FittedResponse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class GreyBoxTest:
-    """Test of the residuals of an output in a band; it rejects the model below 0.05."""
-
-    text: str
-    output: str
-    band_hz: tuple[float, float]
-    p: float
-    adjusted_p: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class GreyBoxFit:
     """Fit of a grey-box model to a maneuver, with all that is needed to repeat it.
 
     ``model`` is the file or the name of an installed model, ``source`` the text of the file or
     the package with its version. ``derivatives`` is how the function was differentiated. Of two
-    models of the same maneuver, method and band that of the lower ``bic`` is preferred.
+    models of the same maneuver, method and band that of the lower ``bic`` is preferred. A fit
+    without an optimum has no standard errors, ``correlation`` or ``poles``.
     """
 
     maneuver_id: int
@@ -91,9 +68,9 @@ class GreyBoxFit:
     B: tuple[tuple[float, ...], ...]
     C: tuple[tuple[float, ...], ...]
     D: tuple[tuple[float, ...], ...]
-    poles: tuple[FittedPole, ...]
+    poles: tuple[TransferFunctionRoot, ...]
     responses: tuple[FittedResponse, ...]
-    tests: tuple[GreyBoxTest, ...]
+    tests: tuple[ResidualTestResult, ...]
     adequacy: AdequacyState
     cost: float
     bic: float

@@ -16,7 +16,6 @@ from .grey_box.fit import GreyBoxEstimate as GreyBoxEstimate
 from .grey_box.fit import fit_grey_box as fit_grey_box
 from .grey_box.model import GreyBox as GreyBox
 from .grey_box.model import GreyBoxParameter as GreyBoxParameter
-from .grey_box.python_control import build_state_space as build_state_space
 from .grey_box.python_control import (
     fit_frequency_response_data as fit_frequency_response_data,
 )

@@ -26,10 +26,11 @@ from flexsid.sysid.estimation.linear_algebra import (
 )
 from flexsid.sysid.grey_box.model import (
     GreyBox,
-    StateMatrices,
+    StateArrays,
     differentiate,
     is_analytic,
 )
+from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.signals import FrequencyResponse
 
 _ITERATIONS = 100
@@ -124,8 +125,8 @@ class GreyBoxEstimate:
     values: Float[np.ndarray, " n_theta"]
     covariance: Float[np.ndarray, "n_theta n_theta"]
     cramer_rao: Float[np.ndarray, " n_theta"]
-    matrices: StateMatrices
-    slopes: tuple[StateMatrices, ...]
+    matrices: StateSpace
+    slopes: tuple[StateArrays, ...]
     cost: float
     n_data: int
     n_ends: int
@@ -247,7 +248,7 @@ class _FitState:
     """Matrices, states, residuals and cost at parameters and end states; scaled by the noise."""
 
     theta: np.ndarray
-    matrices: StateMatrices
+    matrices: StateSpace
     motions: list[np.ndarray]
     modelled: list[np.ndarray]
     residuals: list[np.ndarray]
@@ -271,7 +272,7 @@ class _GreyBoxProblem:
         """Compute the state at theta; None without a finite response."""
         n = len(self.model.parameters)
         found = self.model.evaluate(theta[:n], self.condition)
-        if not all(np.isfinite(one).all() for one in found.list_all()):
+        if not all(np.isfinite(one).all() for one in (found.A, found.B, found.C, found.D)):
             return None
         deviation = theta - self.mean
         cost = float(self.information @ deviation**2)
@@ -317,7 +318,7 @@ class _GreyBoxProblem:
         for one, motion in zip(self.data, state.motions, strict=True):
             n_omega, n_y = one.outputs.shape
             size = len(one.ends_s) * self.n_states
-            loads = [motion @ s.A.T + one.inputs @ s.B.T for s in slopes]
+            loads = [motion @ A.T + one.inputs @ B.T for A, B, _, _ in slopes]
             loads += [
                 turn[:, None] * unit[None]
                 for turn in _turn_ends(one).T
@@ -327,8 +328,8 @@ class _GreyBoxProblem:
             J = np.zeros((n_omega, n_y, state.theta.size), dtype=complex)
             columns = np.append(np.arange(n), np.arange(first, first + size))
             J[:, :, columns] = state.matrices.C @ moved
-            for k, s in enumerate(slopes):
-                J[:, :, k] += motion @ s.C.T + one.inputs @ s.D.T
+            for k, (_, _, C, D) in enumerate(slopes):
+                J[:, :, k] += motion @ C.T + one.inputs @ D.T
             result.append(one.get_factors()[:, :, None] * J)
             first += size
         return result
@@ -366,7 +367,6 @@ def _fit(
 ) -> GreyBoxEstimate:
     begin = model.evaluate(model.starts, condition)
     n, n_x = len(model.parameters), begin.A.shape[0]
-    model.name_states(n_x)
     n_ends = n_x * sum(len(one.ends_s) for one in data)
     mean, information = np.zeros(n + n_ends), np.zeros(n + n_ends)
     for k, one in enumerate(model.parameters):

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput
+from flexsid.sysid.model.aeroelastic import StateSpace
 
 _COMPLEX_STEP = 1e-20  # of the size of a parameter: no difference is taken, so that none cancels
 _STEP = 6e-6  # of the size of a parameter: cube root of the rounding, for central differences
@@ -18,6 +19,9 @@ _SAME = 1e-5  # of the larger derivative: the truncation and rounding of central
 _RESOLVED = 1e-9  # of the largest element of a matrix over a step: differences below are rounding
 
 Matrices = tuple[Any, Any, Any, Any]
+
+StateArrays = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""A, B, C, D, or their derivatives by one parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,20 +50,6 @@ class GreyBoxParameter:
         """Size of steps: that of the starting value, or of its prior where that is zero."""
         spread = 1.0 if self.prior is None else self.prior[1]
         return abs(self.start) or spread
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StateMatrices:
-    """Matrices of a state-space model, or their derivative by one parameter."""
-
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
-
-    def list_all(self) -> tuple[np.ndarray, ...]:
-        """Return A, B, C and D."""
-        return self.A, self.B, self.C, self.D
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,22 +112,24 @@ class GreyBox:
         """Starting values."""
         return np.array([one.start for one in self.parameters], dtype=float)
 
-    def evaluate(self, theta: Float[np.ndarray, " n_theta"], condition: Any) -> StateMatrices:
-        """Return the matrices at parameters and a condition.
+    def evaluate(self, theta: Float[np.ndarray, " n_theta"], condition: Any) -> StateSpace:
+        """Return the system at parameters and a condition.
 
         Raises
         ------
         BadInput
-            If the shapes do not agree with each other and with the channels, or an element is no
-            real number.
+            If the shapes do not agree with each other and with the names of states and channels,
+            or an element is no real number.
         """
         found = self._call(theta, condition)
-        for name, matrix in zip("ABCD", found.list_all(), strict=True):
+        for name, matrix in zip("ABCD", found, strict=True):
             if np.iscomplexobj(matrix):
                 raise _refuse(f"'{self.title}' returns a complex {name}; expected real numbers")
-        return found
+        A, B, C, D = found
+        states = self._name_states(len(A))
+        return StateSpace(A, B, C, D, states, tuple(self.inputs), tuple(self.outputs))
 
-    def _call(self, theta: np.ndarray, condition: Any) -> StateMatrices:
+    def _call(self, theta: np.ndarray, condition: Any) -> StateArrays:
         values = dict(zip(self.names, theta.tolist(), strict=True))
         returned = self.matrices(values, condition)
         if not isinstance(returned, tuple) or len(returned) != 4:
@@ -158,16 +150,9 @@ class GreyBox:
                 raise _refuse(f"{name} of '{self.title}' has an element that is no number")
         kind = complex if any(np.iscomplexobj(one) for one in arrays) else float
         A, B, C, D = (matrix.astype(kind) for matrix in arrays)
-        return StateMatrices(A=A, B=B, C=C, D=D)
+        return A, B, C, D
 
-    def name_states(self, n_states: int) -> tuple[str, ...]:
-        """Return the names of the states.
-
-        Raises
-        ------
-        BadInput
-            If the model has another number of them.
-        """
+    def _name_states(self, n_states: int) -> tuple[str, ...]:
         if self.states and len(self.states) != n_states:
             raise _refuse(f"'{self.title}' names {len(self.states)} states; A has {n_states}")
         return tuple(self.states) or tuple(f"x{k}" for k in range(1, n_states + 1))
@@ -184,10 +169,10 @@ def is_analytic(model: GreyBox, theta: Float[np.ndarray, " n_theta"], condition:
     except (TypeError, ValueError, AttributeError, np.exceptions.ComplexWarning):
         return False
     compared = differentiate(model, theta, condition, analytic=False)
-    at = model.evaluate(theta, condition)
+    at = model._call(theta, condition)
     steps = _list_steps(model, theta)
     for one, other, step in zip(exact, compared, steps, strict=True):
-        for a, b, matrix in zip(one.list_all(), other.list_all(), at.list_all(), strict=True):
+        for a, b, matrix in zip(one, other, at, strict=True):
             size = max(float(np.max(np.abs(b), initial=0.0)), float(np.max(np.abs(a), initial=0.0)))
             rounding = _RESOLVED * float(np.max(np.abs(matrix), initial=0.0)) / step
             if not np.all(np.abs(a - b) <= _SAME * size + rounding):
@@ -197,7 +182,7 @@ def is_analytic(model: GreyBox, theta: Float[np.ndarray, " n_theta"], condition:
 
 def differentiate(
     model: GreyBox, theta: Float[np.ndarray, " n_theta"], condition: Any, *, analytic: bool
-) -> list[StateMatrices]:
+) -> list[StateArrays]:
     """Differentiate the matrices by every parameter.
 
     Parameters
@@ -227,8 +212,8 @@ def differentiate(
         with warnings.catch_warnings():
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
             found = model._call(_move(theta, k, 1j * step), condition)
-        A, B, C, D = (np.imag(matrix) / step for matrix in found.list_all())
-        result.append(StateMatrices(A=A, B=B, C=C, D=D))
+        A, B, C, D = (np.imag(matrix) / step for matrix in found)
+        result.append((A, B, C, D))
     return result
 
 
@@ -243,10 +228,13 @@ def _move(theta: np.ndarray, k: int, step: float | complex) -> np.ndarray:
     return moved
 
 
-def _divide(above: StateMatrices, below: StateMatrices, step: float) -> StateMatrices:
-    pairs = zip(above.list_all(), below.list_all(), strict=True)
-    A, B, C, D = ((high - low) / (2.0 * step) for high, low in pairs)
-    return StateMatrices(A=A, B=B, C=C, D=D)
+def _divide(above: StateSpace, below: StateSpace, step: float) -> StateArrays:
+    return (
+        (above.A - below.A) / (2.0 * step),
+        (above.B - below.B) / (2.0 * step),
+        (above.C - below.C) / (2.0 * step),
+        (above.D - below.D) / (2.0 * step),
+    )
 
 
 def _refuse(message: str) -> BadInput:

@@ -68,18 +68,4 @@ def fit_frequency_response_data(
         None if std is None else np.asarray(std, dtype=float).transpose(2, 0, 1),
     )
     estimate = fit_grey_box(model, list_response_data([response], model), condition)
-    return build_state_space(estimate), estimate
-
-
-def build_state_space(estimate: GreyBoxEstimate) -> control.StateSpace:
-    """Build the model of an estimate for python-control, with the names of its signals."""
-    import control  # also imports matplotlib, which takes seconds
-
-    found, model = estimate.matrices, estimate.model
-    return control.StateSpace(
-        *found.list_all(),
-        states=list(model.name_states(len(found.A))),
-        inputs=list(model.inputs),
-        outputs=list(model.outputs),
-        name=None,
-    )
+    return estimate.matrices.to_control(), estimate

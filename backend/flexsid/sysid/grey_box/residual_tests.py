@@ -10,10 +10,10 @@ import numpy as np
 import scipy
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.adequacy.model_tests import FALSE_ALARM_RATE
 from flexsid.sysid.estimation.estimate import whiteness
 from flexsid.sysid.grey_box.fit import GreyBoxData, GreyBoxEstimate
 from flexsid.sysid.stability.poles import compute_polar_slopes
+from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 
 _PER_INPUT = 12  # frequencies of a band, by input: a response that is missing is smooth over them
 _LEAST_POWER = 1e-3  # of the largest singular value: inputs that do not move in a band
@@ -43,18 +43,10 @@ class ResidualTestResult:
     @property
     def rejects(self) -> bool:
         """Whether the model is rejected."""
+        # Loads much of scipy, of the start of every command that reads records.
+        from flexsid.sysid.adequacy.model_tests import FALSE_ALARM_RATE
+
         return self.adjusted_p < FALSE_ALARM_RATE
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GreyBoxPole:
-    """A pole with standard errors to first order; of a pair, that above the real axis."""
-
-    root: complex
-    frequency: float
-    frequency_std: float
-    damping: float
-    damping_std: float
 
 
 def run_residual_tests(
@@ -117,7 +109,7 @@ def _test_responses(
         yield ResidualTestResult(test=ResidualTest.RESPONSE, output=output, band_hz=limits, p=p)
 
 
-def compute_poles(estimate: GreyBoxEstimate) -> tuple[GreyBoxPole, ...]:
+def compute_poles(estimate: GreyBoxEstimate) -> tuple[TransferFunctionRoot, ...]:
     """Compute the eigenvalues of A with standard errors of modulus and damping ratio.
 
     Notes
@@ -130,16 +122,19 @@ def compute_poles(estimate: GreyBoxEstimate) -> tuple[GreyBoxPole, ...]:
         return ()
     values, right = (part.astype(complex) for part in np.linalg.eig(A))
     left = np.linalg.pinv(right)
-    slopes = np.stack([np.einsum("rx,xy,yr->r", left, s.A, right) for s in estimate.slopes], axis=1)
+    slopes = np.stack(
+        [np.einsum("rx,xy,yr->r", left, A, right) for A, *_ in estimate.slopes], axis=1
+    )
     stds = [
         np.sqrt(np.maximum(np.einsum("ri,ij,rj->r", rows, estimate.covariance, rows), 0.0))
         for rows in compute_polar_slopes(values, slopes)
     ]
     return tuple(
-        GreyBoxPole(
-            root=complex(values[k]),
-            frequency=float(abs(values[k])),
-            frequency_std=float(stds[0][k]),
+        TransferFunctionRoot(
+            real_rad_s=float(values[k].real),
+            imag_rad_s=float(values[k].imag),
+            frequency_rad_s=float(abs(values[k])),
+            frequency_std_rad_s=float(stds[0][k]),
             damping=float(-values[k].real / max(abs(values[k]), 1e-300)),
             damping_std=float(stds[1][k]),
         )

@@ -29,10 +29,8 @@ from flexsid.extensions import (
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.grey_box import (
     FittedParameter,
-    FittedPole,
     FittedResponse,
     GreyBoxFit,
-    GreyBoxTest,
 )
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import AdequacyState, Method, Progress, ReportProgress
@@ -323,7 +321,8 @@ def _describe(
     correlation = estimate.covariance / np.outer(estimate.std_errors, estimate.std_errors)
     is_optimum = estimate.outcome.is_optimum
     all_hz = np.unique(np.concatenate([one.omega for one in data])) / (2.0 * np.pi)
-    A, B, C, D = (tuple(map(tuple, one.tolist())) for one in estimate.matrices.list_all())
+    found = estimate.matrices
+    A, B, C, D = (tuple(map(tuple, one.tolist())) for one in (found.A, found.B, found.C, found.D))
     return GreyBoxFit(
         maneuver_id=query.maneuver_id,
         method=query.method,
@@ -334,35 +333,16 @@ def _describe(
         n_frequencies=all_hz.size,
         inputs=dict(model.inputs),
         outputs=dict(model.outputs),
-        states=model.name_states(len(estimate.matrices.A)),
+        states=found.states,
         parameters=tuple(_list_parameters(estimate)),
         correlation=tuple(map(tuple, correlation.tolist())) if is_optimum else (),
         A=A,
         B=B,
         C=C,
         D=D,
-        poles=tuple(
-            FittedPole(
-                real_rad_s=one.root.real,
-                imag_rad_s=one.root.imag,
-                frequency_rad_s=one.frequency,
-                frequency_std_rad_s=one.frequency_std if is_optimum else None,
-                damping=one.damping,
-                damping_std=one.damping_std if is_optimum else None,
-            )
-            for one in compute_poles(estimate)
-        ),
+        poles=compute_poles(estimate) if is_optimum else (),
         responses=tuple(_list_responses(data, estimate)),
-        tests=tuple(
-            GreyBoxTest(
-                text=one.test.value,
-                output=one.output,
-                band_hz=one.band_hz,
-                p=one.p,
-                adjusted_p=one.adjusted_p,
-            )
-            for one in tests
-        ),
+        tests=tests,
         adequacy=AdequacyState.SUSPECT if rejected else AdequacyState.CONSISTENT,
         cost=estimate.cost,
         bic=estimate.bic,

@@ -239,12 +239,14 @@ function StoredFit({ id, shared }: FitProps) {
             rows={found.parameters}
             rowKey={(one) => one.name}
           />
-          <DataTable
-            label="Poles"
-            columns={POLES}
-            rows={found.poles}
-            rowKey={(one) => `${String(one.real_rad_s)} ${String(one.imag_rad_s)}`}
-          />
+          {found.poles.length > 0 && (
+            <DataTable
+              label="Poles"
+              columns={POLES}
+              rows={found.poles}
+              rowKey={(one) => `${String(one.real_rad_s)} ${String(one.imag_rad_s)}`}
+            />
+          )}
           <Figure
             kind="grey-box-fit"
             title="Amplitudes of the outputs, measured and modelled"
