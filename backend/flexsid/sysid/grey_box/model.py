@@ -54,7 +54,7 @@ class GreyBoxParameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GreyBox:
-    """A model of one's own.
+    """A grey-box model: matrices as a function of parameters and condition.
 
     Parameters
     ----------

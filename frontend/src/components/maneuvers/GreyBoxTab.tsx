@@ -62,7 +62,7 @@ const POLES: Column<Pole>[] = [
   numeric("damping_std", "σ", (one) => withError(one.damping, one.damping_std).error),
 ];
 
-/** A model of one's own, of a file or an installed package, fitted to the maneuver. */
+/** A grey-box model, of a file or an installed package, fitted to the maneuver. */
 export function GreyBoxTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const shared = overFrequency(view, onChange);
   const [model, setModel] = useState<Model | null>(null);
