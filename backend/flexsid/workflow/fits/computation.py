@@ -251,7 +251,8 @@ def fit_likelihood(
     which takes several times as long as a maximisation, is a further start where the optimum from
     the prediction is rejected, not tested or has a pole that moved into the band.
     """
-    waits = candidates is None and task.settings.start is Start.BEST and bool(task.starts)
+    waits = candidates is None and task.try_equation_error and bool(task.starts)
+    waits = waits and task.settings.start is Start.BEST
     if candidates is None:
         candidates = collect_starting_points(task, report, with_equation_error=not waits)
     optimum = _find_optimum(task, report, candidates, 0 if waits else PERTURBED_STARTS)
@@ -577,7 +578,14 @@ def _warn_of_signs(task: EstimationTask, estimate: Estimate) -> tuple[str, ...]:
 def _name_cause(
     estimator: Estimator, task: EstimationTask, fit: EstimatorFit, report: ReportProgress
 ) -> tuple[EstimatorFit, frozenset[str]]:
-    """Name the cause of a rejected fit; return the fit with it and the parameters that it moves."""
+    """Name the cause of a rejected fit; return the fit with it and the parameters that it moves.
+
+    Corrected data have their optimum near that of the data as recorded, which is a start in place
+    of equation error.
+    """
+    if fit.estimate.outcome.is_optimum and task.starts:
+        near = {"the fit without correction": fit.parameters.table(fit.estimate.values)}
+        task = replace(task, starts={**task.starts, **near}, try_equation_error=False)
 
     def refit(corrected: EstimationTask) -> TestedFit:
         report(Progress(fraction=_PROGRESS_BEFORE_CAUSE, message="Searching for the cause"))
