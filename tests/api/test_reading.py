@@ -1,17 +1,23 @@
-"""Reading computes nothing: every GET on a filled campaign leaves no row and little work."""
+"""Reading computes nothing: no GET on a filled campaign leaves a row or enters an estimator."""
 
 from __future__ import annotations
 
-import json
-import math
-import time
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from types import FrameType
 from typing import Any
 
+import fastapi.routing
 import numpy as np
+import pytest
 import sqlalchemy as sa
 from fastapi.testclient import TestClient
 from waiting import ended
 
+import flexsid.sysid
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
@@ -19,8 +25,18 @@ from flexsid.sysid.excitation import designer
 from flexsid.sysid.excitation.catalogue import Band
 from flexsid.workflow.excitation import excitation_designs
 
-_MOST_S = 0.2  # of processor time: what takes longer is a job
-_REFERENCE_S = 0.15  # for the work of `compute_slowness`, of the computer for which this holds
+_SYSID = Path(flexsid.sysid.__file__).parent
+_COMPUTING = (
+    *("adequacy/model_tests.py", "aerodynamics/", "compatibility/", "estimation/equation_error.py"),
+    *("estimation/growing_record.py", "estimation/likelihood.py", "estimation/reconstruction.py"),
+    *("estimation/marginal_equation_error.py", "estimation/regression.py", "global_model/"),
+    *("grey_box/fit.py", "modes/modal_model.py", "modes/output_only.py", "stability/flutter_"),
+    *("preparation/fault_detection.py", "simulation/closed_loop.py"),
+    "spectra/response_estimators.py",
+    *("stability/root_tracking.py", "stability/transfer_function.py", "structure_determination/"),
+)
+"""Modules that estimate, simulate and search: they belong to jobs."""
+_MOST_CALLS = 50_000  # of functions of ``sysid``, each of about a microsecond
 _CHANGING = {"leases"}  # beats of the server
 _VALUES = {"form": "json", "kind": "bode", "along": "airspeed"}
 
@@ -52,31 +68,44 @@ def fill_address(path: str, parameters: list[dict[str, Any]]) -> str:
     return f"{path}?{'&'.join(query)}" if query else path
 
 
-def measure_work(client: TestClient, address: str) -> float:
-    """Processor time of a request in seconds, without that of its compression."""
-    began = time.process_time()
-    response = client.get(address, headers={"Accept-Encoding": "identity"})
-    assert response.status_code < 500, address
-    return time.process_time() - began
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """Calls of functions of ``sysid`` by the routes, by file; a test may clear it."""
+    counted: Counter[str] = Counter()
+
+    def note(frame: FrameType, event: str, argument: object) -> None:
+        if event == "call" and frame.f_code.co_filename.startswith(str(_SYSID)):
+            counted[Path(frame.f_code.co_filename).relative_to(_SYSID).as_posix()] += 1
+
+    def count(route: Callable[..., Any], *arguments: object, **named: object) -> object:
+        sys.setprofile(note)
+        try:
+            return route(*arguments, **named)
+        finally:
+            sys.setprofile(None)
+
+    run = fastapi.routing.run_in_threadpool
+    monkeypatch.setattr(fastapi.routing, "run_in_threadpool", partial(run, count))
+    return counted
 
 
-def find_costly(client: TestClient, addresses: list[str]) -> dict[str, float]:
-    """Return the processor time of requests that compute for longer than a page may take."""
-    costly: dict[str, float] = {}
+def find_costly(
+    client: TestClient, addresses: list[str], calls: Counter[str]
+) -> dict[str, dict[str, int]]:
+    """Return the calls of ``sysid`` by requests that compute what a job has to."""
+    costly: dict[str, dict[str, int]] = {}
     for address in addresses:
-        # The first request may import packages; what computes does so at each request.
-        if measure_work(client, address) > _MOST_S:
-            least = min(measure_work(client, address) for _ in range(2)) / compute_slowness()
-            if least > _MOST_S:
-                costly[address] = least
+        calls.clear()
+        assert client.get(address).status_code < 500, address
+        of_jobs = {name: n for name, n in calls.items() if name.startswith(_COMPUTING)}
+        if of_jobs or calls.total() > _MOST_CALLS:
+            costly[address] = of_jobs or dict(calls)
     return costly
 
 
-def compute_slowness() -> float:
-    """Processor time of this computer at this moment over that of the one of the bar, from 1."""
-    began = time.process_time()
-    json.loads(json.dumps([math.sqrt(number) for number in range(200_000)]))
-    return max(1.0, (time.process_time() - began) / _REFERENCE_S)
+def test_what_belongs_to_jobs_is_there():
+    files = [file.relative_to(_SYSID).as_posix() for file in _SYSID.rglob("*.py")]
+    assert [name for name in _COMPUTING if not any(f.startswith(name) for f in files)] == []
 
 
 def build_largest_design() -> ExcitationDesign:
@@ -101,7 +130,7 @@ def build_largest_design() -> ExcitationDesign:
 
 
 def test_the_largest_design_is_read_and_exported_without_a_job(
-    empty: TestClient, database_url: str
+    empty: TestClient, database_url: str, calls: Counter[str]
 ):
     store = Store.open(database_url)
     number = store.designs.add(build_largest_design()).id
@@ -113,10 +142,12 @@ def test_the_largest_design_is_read_and_exported_without_a_job(
         *(f"/api/v1/figures/design-{name}?design_id={number}" for name in ("history", "spectrum")),
     ]
     assert [empty.get(address).status_code for address in addresses] == [200] * len(addresses)
-    assert find_costly(empty, addresses) == {}
+    assert find_costly(empty, addresses, calls) == {}
 
 
-def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_url: str):
+def test_no_route_computes_or_stores_when_it_is_read(
+    client: TestClient, flown_url: str, calls: Counter[str]
+):
     begun = client.post("/api/v1/flutter/results?run_ids=1")
     assert ended(client, begun.headers["location"])["state"] == "succeeded"
     design = {
@@ -135,6 +166,8 @@ def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_u
         if "get" in operations and not path.endswith("/events")
     ]
     assert len(addresses) > 80
+    client.get("/api/v1/runs/1/model")
+    assert calls["model/derivatives.py"] > 0
     before = count_rows(flown_url)
-    assert find_costly(client, addresses) == {}
+    assert find_costly(client, addresses, calls) == {}
     assert count_rows(flown_url) == before
