@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, cast
 
 import pytest
+from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from tests.api.team import Act, proposal, propose, set_rules, vote
 
@@ -265,6 +267,17 @@ def test_a_notebook_reads_what_its_address_names(client: TestClient, path: str) 
     for cell in code:
         compile(cell, path, "exec")
     assert "Workbench('http" in code[0]
+
+
+def test_a_notebook_reads_from_the_address_of_the_server(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind a proxy the host that a request names may be another."""
+    state = cast(FastAPI, client.app).state
+    monkeypatch.setattr(state, "settings", replace(state.settings, url="https://x.example/"))
+    for path in ("runs/1", "conditions/1"):
+        found = client.get(f"{API}/{path}/notebook")
+        assert "Workbench('https://x.example'" in found.text
 
 
 def test_derivatives_of_a_sheet_are_a_table(client: TestClient) -> None:

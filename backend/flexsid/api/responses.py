@@ -114,6 +114,12 @@ def make_file_response(content: bytes, media_type: str) -> Response:
     return Response(content, media_type=media_type, headers=disposition)
 
 
+def get_address(request: Request) -> str:
+    """Return the address of this server for its clients: the configured one, or as requested."""
+    url: str | None = request.app.state.settings.url
+    return (url or str(request.base_url)).rstrip("/")
+
+
 def _write_matlab(spec: dict[str, Any]) -> bytes:
     """Return a MATLAB 5 file with one struct per curve in ``curves``."""
     from scipy import io as files  # slow to import, and needed for MAT only

@@ -21,7 +21,12 @@ from flexsid.api.models.runs import (
     build_run_response,
     build_template_response,
 )
-from flexsid.api.responses import NOTEBOOK, NOTEBOOK_TYPE, make_file_response
+from flexsid.api.responses import (
+    NOTEBOOK,
+    NOTEBOOK_TYPE,
+    get_address,
+    make_file_response,
+)
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -185,7 +190,7 @@ def get_run_notebook(store: TheStore, request: Request, run_id: Identity) -> Res
     result = get_result(run, "no result to read")
     label = store.maneuvers.get(run.maneuver_id).label
     title = f"{run.method.value} run {run_id} of {label}"
-    url, channels = str(request.base_url).rstrip("/"), list(result.fit.r_squared)
+    url, channels = get_address(request), list(result.fit.r_squared)
     text = write_run_notebook(url, run_id, run.maneuver_id, channels, title)
     return make_file_response(text.encode(), NOTEBOOK_TYPE)
 

@@ -12,6 +12,7 @@ from flexsid.api.responses import (
     NOTEBOOK,
     NOTEBOOK_TYPE,
     add_analysis,
+    get_address,
     make_file_response,
 )
 from flexsid.api.router import make_router
@@ -93,7 +94,7 @@ def get_condition_notebook(store: TheStore, request: Request, condition_id: Iden
     item = sheet.condition
     title = f"{item.aircraft_name}, {item.airspeed_m_s:.1f} m/s: {sheet.record.label}"
     runs = [one.run_id for one in sheet.sources if one.run_id is not None]
-    text = write_sheet_notebook(str(request.base_url).rstrip("/"), condition_id, runs, title)
+    text = write_sheet_notebook(get_address(request), condition_id, runs, title)
     return make_file_response(text.encode(), NOTEBOOK_TYPE)
 
 
