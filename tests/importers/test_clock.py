@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from flexsid.errors import FlexsidError
 from flexsid.importers.clock import Clock, Timing, find_resolution
-from flexsid.importers.mapping import TimeMapping
+from flexsid.importers.mapping import TimeMapping, parse_mapping
+from flexsid.importers.proposal import write_proposal
+from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.workflow.importing.preview import describe_fields
 
 
 def clock(stamps: np.ndarray, unit: str = "s", **more: np.ndarray) -> Clock:
@@ -87,3 +93,53 @@ def test_time_that_does_not_increase_is_rejected() -> None:
 def test_jitter_is_not_resolution() -> None:
     jitter = np.random.default_rng(3).uniform(-2e-4, 2e-4, 2000)
     assert find_resolution(np.arange(2000) / 200.0 + jitter) is None
+
+
+def write_columns(file: Path, columns: dict[str, np.ndarray]) -> Sources:
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    file.write_text("\n".join(lines))
+    return read_all([file])
+
+
+@pytest.mark.parametrize(
+    ("unit", "seconds"), [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
+)
+@pytest.mark.parametrize("start", [0, 86_400, 1_700_000_000])
+def test_the_unit_of_whole_stamps_is_proposed_from_their_size(
+    tmp_path: Path, unit: str, seconds: float, start: int
+) -> None:
+    step = 0.01 if unit == "s" else round(0.01 / seconds)
+    stamps = round(start / seconds) + step * np.arange(200)
+    columns = {"timestamp": stamps, "q_deg_s": np.random.default_rng(1).normal(size=200)}
+    sources = write_columns(tmp_path / "f.csv", columns)
+    assert f'column = "timestamp"\nunit = "{unit}"' in write_proposal(sources, "X-1", 1, {})
+    (q,) = [field for field in describe_fields(sources) if field.field == "q_deg_s"]
+    assert q.rate_hz == pytest.approx(100.0, rel=1e-6)
+
+
+def test_channels_behind_a_second_column_of_time_have_its_clock(tmp_path: Path) -> None:
+    t, rng = np.arange(400) / 100.0, np.random.default_rng(1)
+    columns = {
+        "time": t,
+        "q_deg_s": rng.normal(size=400),
+        "time_ms": (1000.0 * t).round() + 40.0,  # the same instants
+        "az_g": rng.normal(size=400),
+        "time_adc": 0.003 + 1.25 * t,
+        "elevator_deg": rng.normal(size=400),
+    }
+    sources = write_columns(tmp_path / "two.csv", columns)
+    text = write_proposal(sources, "X-1", 1, {})
+    mapping = parse_mapping(re.sub(r"guessed = .*", "", text))
+    assert {one.name: one.clock for one in mapping.channels} == {
+        "q": None,
+        "az": None,
+        "elevator": "time_adc",
+    }
+    rates = {field.field: field.rate_hz for field in describe_fields(sources)}
+    assert (rates["az_g"], rates["elevator_deg"]) == pytest.approx((100.0, 80.0))
+    (clock,) = mapping.clocks
+    assert clock.column == "two.csv:time_adc"
+    timing = Timing(mapping.time, mapping.clocks, sources)
+    found = timing.clock(sources.items[0], "elevator_deg", "elevator", 400, "time_adc")
+    assert (found.rate_hz, found.start_s) == pytest.approx((80.0, 0.003))

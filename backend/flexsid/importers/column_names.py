@@ -130,7 +130,7 @@ _TIME = re.compile(
     r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
     r"|(?:utc|irig)(?:_?time)?|gps_?time|(?:gps_?)?(?:tow|sow|time_?of_?week)(?:_m?s)?"
 )
-_PERHAPS_TIME = re.compile(r"(?:time|t)_\w+")
+_PERHAPS_TIME = re.compile(r"(?:time|t)(?:_\w+|\d+)")
 
 _TIME_UNITS = {"ms": "ms", "us": "us", "ns": "ns", "min": "min", "s": "s", "sec": "s"}
 

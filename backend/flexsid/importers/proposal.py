@@ -43,6 +43,12 @@ _MOST_CHANNELS = 100
 of autopilots have a thousand columns, most of which are no measurements of the aircraft."""
 
 
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
+_UNITS_OF_TIME = np.array([1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9])  # ratios of any two of them
+_RATE_TOLERANCE = 1e-3  # of a clock: quartz errs by 1e-4
+_EPOCH_S = (9.0e8, 4.1e9)  # s since 1970: 1998 to 2099
+_SLOW_S = 0.2  # longest usual time between samples: flutter is not identified below 5 Hz
+
 PULSE_WIDTH = "us"
 NEEDS_CALIBRATION = "# pulse widths of a servo: to be a surface it needs unit, role and calibration"
 
@@ -127,14 +133,21 @@ def write_proposal(
     condition = {meaning.name: (column, meaning) for column, meaning in reversed(selected)}
     if "airspeed" in condition and ("altitude" in condition or "density" in condition):
         parts.append(_maneuver(condition))
-    parts.append(_time(sources, time, [column for column, _ in selected]))
+    on_further = find_further_clocks(columns, time)
+    channels = [column for column, _ in selected]
+    of_channels = {(one.file, one.field) for one in channels}
+    own_clocks = {place: clock for place, clock in on_further.items() if place in of_channels}
+    parts.append(_time(sources, time, columns, channels, own_clocks))
     seen: set[str] = set()
     first = next(iter(time.values()), None)
     for column, meaning in selected:
         text = _channel(column, meaning, seen)
         if column.field in recalled:
             text = text.replace("\n", f"\n{REMEMBERED}\n", 1)
-        if time.get(column.file, first) != first:
+        clock = own_clocks.get((column.file, column.field))
+        if clock is not None:
+            text += f"clock = {_text(clock)}\n"
+        elif time.get(column.file, first) != first:
             text += f"clock = {_text(column.file)}\n"
         parts.append(text)
     return "\n".join(parts)
@@ -207,6 +220,75 @@ def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
                     found[source.name] = column.field
                     break
     return found
+
+
+def find_further_clocks(
+    columns: Sequence[Column], time: Mapping[str, str]
+) -> dict[tuple[str, str], str]:
+    """Return the probable clock of channels that are not on the first of their file.
+
+    A file that joins several recorders has a column of time for each, before its channels, or one
+    of their length. A further column of the same instants, in another unit or from another origin,
+    is no clock of its own.
+
+    Returns
+    -------
+    dict
+        Field of the clock, by file and field of the channel.
+    """
+    found: dict[tuple[str, str], str] = {}
+    for file, first in time.items():
+        own = [column for column in columns if column.file == file]
+        main = next(column.samples for column in own if column.field == first)
+        clocks = {
+            column.field: column.samples
+            for column in own
+            if column.field == first
+            or (
+                _is_time(column)
+                and _increases(column.samples)
+                and (is_time_name(column.field) or is_even(column.samples))
+                and _differ(main, column.samples)
+            )
+        }
+        last = first
+        for column in own:
+            if column.field in clocks:
+                last = column.field
+            size = column.samples.size
+            of_length = [name for name, stamps in clocks.items() if stamps.size == size]
+            clock = last if last in of_length else next(iter(of_length), first)
+            if clock != first:
+                found[file, column.field] = clock
+    return found
+
+
+def _differ(first: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether columns of time have different instants, whatever their units and origins."""
+    if first.size != other.size:
+        return True
+    scaled = (other - other[0]) * (np.ptp(first) / np.ptp(other))
+    unit = np.ptp(other) / np.ptp(first)
+    is_unit = bool(np.min(np.abs(unit / _UNITS_OF_TIME - 1.0)) < _RATE_TOLERANCE)
+    step = np.median(np.diff(first))
+    return not is_unit or bool(np.max(np.abs(scaled - (first - first[0]))) > 0.5 * step)
+
+
+def find_clock_unit(column: Column) -> tuple[str, bool]:
+    """Return the unit of a column of time, and whether the file or its name states it.
+
+    Else it is the coarsest unit in which the stamps are of this century, or of a usual rate.
+    """
+    stated = find_time_unit(column.field, column.unit)
+    if stated is not None:
+        return stated, True
+    stamps = column.samples[np.isfinite(column.samples)].astype(float)
+    if stamps.size < 2:
+        return "s", False
+    step = float(np.median(np.diff(stamps)))
+    since_1970 = (u for u, s in SECONDS.items() if _EPOCH_S[0] <= stamps[0] * s <= _EPOCH_S[1])
+    usual = (unit for unit, seconds in SECONDS.items() if step * seconds <= _SLOW_S)
+    return next(since_1970, next(usual, "s")), False
 
 
 def _columns(source: SourceFile) -> list[Column]:
@@ -305,7 +387,13 @@ def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
     return "\n".join(lines) + "\n" + _guessed(*guessed)
 
 
-def _time(sources: Sources, time: Mapping[str, str], channels: Sequence[Column]) -> str:
+def _time(
+    sources: Sources,
+    time: Mapping[str, str],
+    columns: Sequence[Column],
+    channels: Sequence[Column],
+    clocks: Mapping[tuple[str, str], str],
+) -> str:
     if not time:
         if all(source.clocks for source in sources.items):
             text = "# Every channel has the clock of its file.\n"
@@ -317,16 +405,18 @@ def _time(sources: Sources, time: Mapping[str, str], channels: Sequence[Column])
             + _guessed("rate")
         )
     parts: list[str] = []
-    for file, column in time.items():
-        own = next(source for source in sources.items if source.name == file)
-        unit = find_time_unit(column, own.units.get(column, ""))
-        of_file = f'unit = "{unit or "s"}"\n' + _guessed("column", *([] if unit else ["unit"]))
+    places = {(one.file, one.field): one for one in columns}
+    further = dict.fromkeys((file, clock) for (file, _), clock in clocks.items())
+    for file, column in (*time.items(), *further):
+        unit, is_stated = find_clock_unit(places[file, column])
+        of_file = f'unit = "{unit}"\n' + _guessed("column", *([] if is_stated else ["unit"]))
+        is_further = (file, column) in further
         if not parts:
             parts.append(f"[time]\ncolumn = {_text(column)}\n{of_file}")
-        elif column != next(iter(time.values())):
-            parts.append(
-                f"[[clocks]]\nname = {_text(file)}\ncolumn = {_text(f'{file}:{column}')}\n{of_file}"
-            )
+        elif is_further or column != next(iter(time.values())):
+            name = _text(column if is_further else file)
+            place = _text(f"{file}:{column}")
+            parts.append(f"[[clocks]]\nname = {name}\ncolumn = {place}\n{of_file}")
     return "\n".join(parts)
 
 

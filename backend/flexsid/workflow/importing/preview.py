@@ -16,6 +16,9 @@ from flexsid.importers.column_names import recognise_column as recognise_name
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
 from flexsid.importers.proposal import (
     REMEMBERED,
+    SECONDS,
+    find_clock_unit,
+    find_further_clocks,
     find_time,
     list_columns,
     mark_guessed,
@@ -134,15 +137,17 @@ def describe_fields(sources: Sources) -> list[FoundField]:
     """Describe every column that may be a channel."""
     columns = list_columns(sources)
     time = find_time(sources, columns)
-    stamps = {(c.file, c.field): c.samples for c in columns}
+    further = find_further_clocks(columns, time)
+    stamps = {(c.file, c.field): c for c in columns}
     found: list[FoundField] = []
     for column in columns[:MOST_FIELDS]:
         source = next(s for s in sources.items if s.name == column.file)
-        clock = source.clocks.get(column.field, time.get(column.file, ""))
-        at = stamps.get((column.file, clock))
+        usual = further.get((column.file, column.field), time.get(column.file, ""))
+        clock = stamps.get((column.file, source.clocks.get(column.field, usual)))
         rate = None
-        if at is not None and at.size == column.samples.size and at[-1] > at[0]:
-            rate = float((at.size - 1) / (at[-1] - at[0]))
+        if clock is not None and (at := clock.samples).size == column.samples.size:
+            duration = float(at[-1] - at[0]) * SECONDS[find_clock_unit(clock)[0]]
+            rate = (at.size - 1) / duration if duration > 0.0 else None
         found.append(
             FoundField(
                 file=column.file,
