@@ -10,6 +10,7 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.decision import Structure
 from flexsid.records.run import AdequacyState, Method, Progress, RunState
+from flexsid.sysid.structure_determination.search import ValidationFit
 from flexsid.sysid.structure_determination.selection import Term
 
 # --- StructureSearch: a search for a model's terms, and everything it found -----------------------
@@ -100,15 +101,6 @@ class TermGroup:
     r_squared: float | None
     pse: float | None
     bic: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValidationFit:
-    """Prediction of data that a candidate was not fitted to: negative log likelihood, and R2."""
-
-    name: str
-    cost: float | None
-    r_squared: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
