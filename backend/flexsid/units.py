@@ -194,6 +194,21 @@ def si_unit(unit: str) -> str:
     return _SI_UNITS[dimension(unit)]
 
 
+_SUFFIXES = {
+    "_" + symbol.lower().replace("/", "_").replace("*", "_"): dimension
+    for dimension, symbol in _SI_UNITS.items()
+    if dimension != "number"
+}
+
+
+def find_unit_suffix(name: str) -> tuple[str, str | None]:
+    """Split the name of a field such as ``speed_m_s`` in ``speed`` and its dimension, if any."""
+    for suffix in sorted(_SUFFIXES, key=len, reverse=True):
+        if name.endswith(suffix):
+            return name.removesuffix(suffix), _SUFFIXES[suffix]
+    return name, None
+
+
 def factor(unit: str, dimension: str) -> float:
     """Return the factor that converts values in ``unit`` to SI.
 
