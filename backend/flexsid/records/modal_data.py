@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 
 from flexsid.allowed import Allowed, Name, Text
-from flexsid.sysid.stability.order import ReductionErrors
+from flexsid.sysid.stability.reduction_errors import ReductionErrors
 
 
 class ModalKind(StrEnum):

@@ -10,8 +10,7 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.decision import Structure
 from flexsid.records.run import AdequacyState, Method, Progress, RunState
-from flexsid.sysid.structure_determination.search import ValidationFit
-from flexsid.sysid.structure_determination.selection import Term
+from flexsid.sysid.structure_determination.selection import Term, ValidationFit
 
 # --- StructureSearch: a search for a model's terms, and everything it found -----------------------
 

@@ -24,6 +24,7 @@ from flexsid.sysid.structure_determination.selection import (
     SelectionState,
     SelectionStep,
     Thresholds,
+    ValidationFit,
     compute_criteria,
     expand_values,
     select_candidates,
@@ -156,20 +157,6 @@ def _enter_terms(
 
 
 # --- Cross-validation: prediction of data that a model was not fitted to --------------------------
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValidationFit:
-    """Prediction of data by a model that was not fitted to them.
-
-    ``cost`` is their negative log likelihood, with the noise of the prediction errors;
-    ``r_squared`` the share of the outputs' power that is predicted, outputs equally
-    weighted. Both are None where the prediction is not finite.
-    """
-
-    name: str
-    cost: float | None
-    r_squared: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

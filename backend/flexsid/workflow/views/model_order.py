@@ -19,13 +19,12 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.stability.order import (
-    BAND,
-    POLE_BAND,
     OrderStudy,
     ReducedModel,
     compute_reduced_response,
     study_order,
 )
+from flexsid.sysid.stability.reduction_errors import BAND, POLE_BAND
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,
