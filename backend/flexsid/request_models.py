@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence, Sized
-from dataclasses import MISSING, Field, fields, is_dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence, Sized
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from types import NoneType, UnionType
@@ -23,7 +23,7 @@ _BOUNDS = ("ge", "gt", "le", "lt", "min_length", "max_length", "pattern")
 
 
 class QueryParameters(pydantic.BaseModel):
-    """QueryParameters of a query; lists are separated by commas there."""
+    """Parameters of a query; lists are separated by commas there."""
 
     model_config = pydantic.ConfigDict(frozen=True, validate_default=True)
 
@@ -40,14 +40,14 @@ def parameters_of(request: type, *, without: tuple[str, ...] = ()) -> Callable[[
     Fields of a nested request are parameters of their own; tuples are texts whose items are
     separated by commas.
 
-    QueryParameters
+    Parameters
     ----------
     request
         A frozen dataclass whose fields have their ranges (``Allowed``).
     without
         Fields that are given elsewhere, as in the path.
     """
-    return lambda model: _extend(model, _list_parameters(request, without))
+    return lambda model: extend_model(model, _list_parameters(request, without))
 
 
 def body_of(request: type, *, without: tuple[str, ...] = ()) -> Callable[[type[M]], type[M]]:
@@ -58,7 +58,7 @@ def body_of(request: type, *, without: tuple[str, ...] = ()) -> Callable[[type[M
     """
 
     def add(model: type[M]) -> type[M]:
-        made = _extend(model, _list_body_fields(request, without))
+        made = extend_model(model, _list_body_fields(request, without))
         if not without:
             _bodies[request] = made
         return made
@@ -76,12 +76,11 @@ def derive_parameters(request: type, without: tuple[str, ...] = ()) -> type[Quer
 def build_request(request: type, values: Mapping[str, Any]) -> Any:
     """Return the request of parameters by name; those of a nested request are found by name."""
     own = {}
-    for field in fields(request):
-        kind, _rules, _text = _unwrap(_hints(request)[field.name])
-        if is_dataclass(kind):
-            own[field.name] = build_request(cast(type, kind), values)
-        elif field.name in values:
-            own[field.name] = values[field.name]
+    for one in list_fields(request):
+        if is_dataclass(one.kind):
+            own[one.name] = build_request(cast(type, one.kind), values)
+        elif one.name in values:
+            own[one.name] = values[one.name]
     return request(**own)
 
 
@@ -100,11 +99,11 @@ def check_request(request: object) -> None:
 
 
 def _check(value: Any, hint: Any, name: str) -> None:
-    kind, rules, _text = _unwrap(hint)
+    kind, rules, _text = unwrap(hint)
     if value is None:
         return
-    for part in _list_alternatives(kind):
-        inner, more, _text = _unwrap(part)
+    for part in list_alternatives(kind):
+        inner, more, _text = unwrap(part)
         if inner is NoneType:
             continue
         problem = _find_problem(value, {**more, **rules})
@@ -153,7 +152,30 @@ def _describe_range(rules: Mapping[str, Any]) -> str:
     return " and ".join(f"{word} {rules[key]:g}" for key, word in words.items() if key in rules)
 
 
-def _extend(model: type[M], own: dict[str, Any]) -> type[M]:
+@dataclass(frozen=True, slots=True)
+class RequestField:
+    """A field of a request: its type without annotation, rules, text and default."""
+
+    name: str
+    kind: Any
+    rules: dict[str, Any]
+    text: str
+    default: Any  # MISSING of a field that must be given
+    is_made: bool = False  # whether a factory makes the default
+
+
+def list_fields(request: type, without: tuple[str, ...] = ()) -> Iterator[RequestField]:
+    """List what the class of a request states about its fields."""
+    for one in fields(request):
+        if one.name not in without:
+            make = one.default_factory
+            default = one.default if make is MISSING else make()
+            is_made = make is not MISSING
+            yield RequestField(one.name, *unwrap(_hints(request)[one.name]), default, is_made)
+
+
+def extend_model(model: type[M], own: dict[str, Any]) -> type[M]:
+    """Return the model with further fields, each a type and a field of pydantic."""
     created = pydantic.create_model(
         model.__name__,
         __base__=model,
@@ -166,25 +188,22 @@ def _extend(model: type[M], own: dict[str, Any]) -> type[M]:
 
 def _list_parameters(request: type, without: tuple[str, ...]) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for field in fields(request):
-        if field.name in without:
-            continue
-        kind, rules, text = _unwrap(_hints(request)[field.name])
-        default = _get_default(field)
-        if is_dataclass(kind):
-            found |= _list_parameters(cast(type, kind), without)
-        elif get_origin(kind) is tuple:
-            found[field.name] = _describe_list(field.name, kind, rules, text, default)
+    for one in list_fields(request, without):
+        if is_dataclass(one.kind):
+            found |= _list_parameters(cast(type, one.kind), without)
+        elif get_origin(one.kind) is tuple:
+            found[one.name] = _describe_list(one)
         else:
-            hint = _apply(kind, rules, strict=False)
-            found[field.name] = (hint, _make_field(default, text))
+            hint = _apply(one.kind, one.rules, strict=False)
+            found[one.name] = (hint, _make_field(one.default, one.text))
     return found
 
 
-def _describe_list(name: str, kind: Any, rules: Mapping[str, Any], text: str, default: Any) -> Any:
+def _describe_list(of: RequestField) -> Any:
     """Return type and field of a list whose items are separated by commas."""
-    (item,) = {_unwrap(one)[0] for one in get_args(kind) if one is not Ellipsis}
-    most = rules.get("max_length", math.inf)
+    name, text, default = of.name, of.text, of.default
+    (item,) = {unwrap(one)[0] for one in get_args(of.kind) if one is not Ellipsis}
+    most = of.rules.get("max_length", math.inf)
 
     def read(given: str | None) -> tuple[Any, ...]:
         if item is int:
@@ -232,15 +251,11 @@ def _find_body(request: type) -> type[pydantic.BaseModel]:
 
 def _list_body_fields(request: type, without: tuple[str, ...]) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for field in fields(request):
-        if field.name in without:
-            continue
-        kind, rules, text = _unwrap(_hints(request)[field.name])
-        hint = _apply(kind, rules, strict=True)
-        default = _get_default(field)
-        if field.default_factory is not MISSING and not is_dataclass(kind):
+    for one in list_fields(request, without):
+        hint, default = _apply(one.kind, one.rules, strict=True), one.default
+        if one.is_made and not is_dataclass(one.kind):
             hint, default = hint | None, None
-        found[field.name] = (hint, _make_field(default, text))
+        found[one.name] = (hint, _make_field(default, one.text))
     return found
 
 
@@ -257,7 +272,7 @@ def _apply(kind: Any, rules: Mapping[str, Any], *, strict: bool) -> Any:
 def _apply_to(part: Any, outer: Mapping[str, Any], *, strict: bool) -> Any:
     if part is NoneType:
         return None
-    kind, rules, _text = _unwrap(part)
+    kind, rules, _text = unwrap(part)
     return _apply(kind, {**rules, **outer}, strict=strict)
 
 
@@ -297,18 +312,12 @@ def _make_field(default: Any, text: str) -> Any:
     return pydantic.Field(... if default is MISSING else default, description=text or None)
 
 
-def _get_default(field: Field[Any]) -> Any:
-    if field.default_factory is not MISSING:
-        return field.default_factory()
-    return field.default
-
-
 @cache
 def _hints(request: type) -> dict[str, Any]:
     return _get_hints(request, include_extras=True)
 
 
-def _unwrap(hint: Any) -> tuple[Any, dict[str, Any], str]:
+def unwrap(hint: Any) -> tuple[Any, dict[str, Any], str]:
     """Return a type without annotation, its rules, and its description."""
     rules: dict[str, Any] = {}
     text = ""
@@ -319,12 +328,13 @@ def _unwrap(hint: Any) -> tuple[Any, dict[str, Any], str]:
                 text = one.text or text
         hint = hint.__origin__
     if not text:
-        inner = (_unwrap(part)[2] for part in _list_alternatives(hint) if part is not hint)
+        inner = (unwrap(part)[2] for part in list_alternatives(hint) if part is not hint)
         text = next((one for one in inner if one), "")
     return hint, rules, text
 
 
-def _list_alternatives(kind: Any) -> tuple[Any, ...]:
+def list_alternatives(kind: Any) -> tuple[Any, ...]:
+    """Return the types of a union; a type that is none stands alone."""
     return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
 
 

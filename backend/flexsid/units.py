@@ -147,7 +147,8 @@ Far above the range of any aircraft: the limit prevents overflow, while
 ``importers.plausibility`` warns of values that are merely unusual.
 """
 
-_SI_UNITS = {dimension: next(iter(symbols)) for dimension, symbols in _FACTORS.items()}
+SI_UNITS = {dimension: next(iter(symbols)) for dimension, symbols in _FACTORS.items()}
+"""Symbol of the SI unit of each dimension."""
 
 
 def is_known(unit: str) -> bool:
@@ -191,7 +192,22 @@ def dimension(unit: str) -> str:
 
 def si_unit(unit: str) -> str:
     """Symbol of the SI unit that ``to_si`` converts values in ``unit`` to."""
-    return _SI_UNITS[dimension(unit)]
+    return SI_UNITS[dimension(unit)]
+
+
+_SUFFIXES = {
+    "_" + symbol.lower().replace("/", "_").replace("*", "_"): dimension
+    for dimension, symbol in SI_UNITS.items()
+    if dimension != "number"
+}
+
+
+def find_unit_suffix(name: str) -> tuple[str, str | None]:
+    """Split the name of a field such as ``speed_m_s`` in ``speed`` and its dimension, if any."""
+    for suffix in sorted(_SUFFIXES, key=len, reverse=True):
+        if name.endswith(suffix):
+            return name.removesuffix(suffix), _SUFFIXES[suffix]
+    return name, None
 
 
 def factor(unit: str, dimension: str) -> float:
@@ -235,7 +251,7 @@ def check_size(value: float, dimension: str) -> float:
     largest = LARGEST[dimension]
     if not abs(value) <= largest:
         raise BadInput(
-            f"{value:.3g} {_SI_UNITS.get(dimension, '')} is not a {dimension}; at most"
+            f"{value:.3g} {SI_UNITS.get(dimension, '')} is not a {dimension}; at most"
             f" {largest:g} is accepted. Check the unit.",
             code="out-of-range",
         )

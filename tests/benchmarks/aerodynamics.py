@@ -47,13 +47,13 @@ def mesh(chordwise: int, along: int) -> Boxes:
     """FLEX-28 in mm with so many boxes along the chord, and its strips divided by a factor."""
     panels = [
         Panel(
-            MM * np.array(one.left),
-            MM * one.left_chord,
-            MM * np.array(one.right),
-            MM * one.right_chord,
+            one.left,
+            one.left_chord,
+            one.right,
+            one.right_chord,
             np.linspace(0.0, 1.0, chordwise + 1),
             np.linspace(0.0, 1.0, one.spanwise * along + 1),
-        )
+        ).scale(MM)
         for one in read_planform(PLANFORM).panels
     ]
     return mesh_panels(panels)

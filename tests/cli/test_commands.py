@@ -329,7 +329,7 @@ def test_errors_are_reported_on_one_line(flown_url: str, capsys) -> None:
     assert "written" in refused(capsys, 1, "export", "1", "--output", "no/folder/a.json", *to)
     quick = ("design", "--fta", "500", "--effort", "quick")
     assert "written" in refused(capsys, 1, *quick, "--output", "no/folder/a.csv")
-    assert "above zero" in refused(capsys, 2, "flutter", "1", "--next", "-4", *to)
+    assert "0.1 to 1000" in refused(capsys, 2, "flutter", "1", "--next", "-4", *to)
     assert "nowhere.csv" in refused(capsys, 2, "import", "nowhere.csv", *to)
     assert "address" in refused(capsys, 2, "migrate", "--database", "nonsense")
 

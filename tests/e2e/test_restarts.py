@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from waiting import wait_until
 
 from flexsid.jobs.kinds import KINDS
 from flexsid.records.decision import Structure
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
@@ -34,7 +35,7 @@ _REQUEST = {
 
 def _add_job(store: Store, kind: str, text: str) -> int:
     if kind != "estimation":
-        job = Job(kind=kind, author=text, title="held", request=_REQUEST)
+        job = replace(NEW_JOB, kind=kind, author=text, title="held", request=_REQUEST)
         return queue.add_job(store, job).id or 0
     run = EstimationRun(
         maneuver_id=1,

@@ -52,7 +52,7 @@ def test_panels_and_splines_of_a_deck_are_read():
     wing = deck.panels[1001]
     assert wing.chordwise.tolist() == [0.0, 0.25, 1.0]
     assert wing.spanwise.size == 5
-    assert wing.right.tolist() == [1.0, 4.0, 0.0]
+    assert wing.right == (1.0, 4.0, 0.0)
     assert deck.number_boxes([1001, 2001]) == [*range(1001, 1009), *range(2001, 2007)]
     assert deck.splines[0].boxes == tuple(range(1001, 1009))
     assert deck.splines[0].nodes == (101, 102, 103, 104, 110)

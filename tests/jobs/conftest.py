@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.kinds import KINDS
 from flexsid.jobs.worker import LoadKinds
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage.jobs import queue
 from flexsid.storage.lists.run_list import ESTIMATION
@@ -120,7 +121,7 @@ def add_job(store: Store, add_run: Callable[..., EstimationRun], kind: str) -> A
     def add(text: str, **changes: Any) -> Job:
         if kind == ESTIMATION:
             return store.jobs.get(add_run(author=text, **changes).id or 0)
-        return queue.add_job(store, Job(kind=kind, request={"text": text}, **changes))
+        return queue.add_job(store, replace(NEW_JOB, kind=kind, request={"text": text}, **changes))
 
     return add
 

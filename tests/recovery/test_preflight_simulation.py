@@ -17,7 +17,7 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import ControlLaw, Controller
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB
 from flexsid.records.maneuver import COMBINED, Flight
 from flexsid.records.run import (
     AdequacyState,
@@ -84,7 +84,9 @@ def _simulate(
         turbulence=turbulence,
     )
     simulated = simulate_design(store, request, lambda progress: None)
-    stored = store_simulation(store, Job(kind="preflight-simulation"), request, simulated)
+    stored = store_simulation(
+        store, replace(NEW_JOB, kind="preflight-simulation"), request, simulated
+    )
     return store.preflight_simulations.get(stored["simulation_id"] or 0)
 
 

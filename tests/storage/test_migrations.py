@@ -21,7 +21,7 @@ from sqlalchemy.exc import DBAPIError
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import DesignSpecification, ExcitationDesign
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB
 from flexsid.records.maneuver import StoredMapping
 from flexsid.records.note import SavedView
 from flexsid.records.run import Batch, OutOfBandModes
@@ -200,10 +200,10 @@ def test_ids_of_deleted_runs_are_not_given_again(flown_url: str) -> None:
     engine.dispose()
     migrate.upgrade(flown_url)
     store = Store.open(flown_url)
-    job = store.jobs.add(Job(kind="quality-assessment"))
+    job = store.jobs.add(replace(NEW_JOB, kind="quality-assessment"))
     assert (job.id or 0) > deleted
     store.jobs.delete(job.id or 0)
-    assert (store.jobs.add(Job(kind="quality-assessment")).id or 0) > (job.id or 0)
+    assert (store.jobs.add(replace(NEW_JOB, kind="quality-assessment")).id or 0) > (job.id or 0)
     store.close()
 
 
@@ -420,7 +420,7 @@ def test_records_without_a_campaign_get_that_of_what_they_refer_to(flown_url: st
         ("excitation-design", {"name": "d", "fta": 1}, None),
     )
     for kind, request, result in requests:
-        store.jobs.add(Job(kind=kind, request=request, result=result))
+        store.jobs.add(replace(NEW_JOB, kind=kind, request=request, result=result))
     store.saved_views.add(SavedView(page="compare", name="v", search="?runs=1%2C5", author=""))
     store.mappings.add(StoredMapping(name="m", text='[aircraft]\nname = "Other"', note=""))
     with store.database.transaction() as connection:

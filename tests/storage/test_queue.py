@@ -12,7 +12,7 @@ import pytest
 import sqlalchemy as sa
 
 from flexsid.errors import Conflict
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB
 from flexsid.records.run import (
     Batch,
     EstimationRun,
@@ -75,7 +75,12 @@ def test_the_next_job_is_the_least_of_all_queued_ones(store: Store) -> None:
     """The same as by sorting every queued job, for queues of any composition."""
     rng = random.Random(7)
     for _ in range(60):
-        job = Job(kind="run", author=rng.choice(["Ann", "Bo", ""]), priority=rng.choice([-1, 0, 2]))
+        job = replace(
+            NEW_JOB,
+            kind="run",
+            author=rng.choice(["Ann", "Bo", ""]),
+            priority=rng.choice([-1, 0, 2]),
+        )
         earlier = rng.choice([None, None, *(one.id for one in store.jobs.find()[-3:])])
         queue.add_job(store, replace(job, after_job_id=earlier))
     while (queued := store.jobs.find(state="queued")) and queue.find_next(store, {}):
@@ -106,8 +111,8 @@ def test_an_analyst_does_not_wait_for_the_runs_of_a_batch(store: Store, add_run:
     batch, _ = batches.add(store, Batch(name="several"), requested)
     of_batch = [one.id for one in store.runs.find() if one.id != flown.id]
     single = add_run().id
-    design = queue.add_job(store, Job(kind="excitation-design")).id
-    other = queue.add_job(store, Job(kind="excitation-design", author="Bo")).id
+    design = queue.add_job(store, replace(NEW_JOB, kind="excitation-design")).id
+    other = queue.add_job(store, replace(NEW_JOB, kind="excitation-design", author="Bo")).id
     assert batch.id is not None
     shown = {one.id: one.position for one in job_list.read_page(store).items}
     order = [design, other, flown.id, single, *of_batch]

@@ -16,9 +16,9 @@ HALVES = np.array([0.0, 0.5, 1.0])
 
 
 def wing_with_winglet() -> Boxes:
-    wing = Panel(np.zeros(3), 2.0, np.array([1.0, 4.0, 0.0]), 1.0, HALVES, HALVES)
-    tip = np.array([1.8, 4.5, 1.5])
-    winglet = Panel(np.array([1.1, 4.0, 0.0]), 0.9, tip, 0.6, HALVES, np.array([0.0, 1.0]))
+    wing = Panel((0.0, 0.0, 0.0), 2.0, (1.0, 4.0, 0.0), 1.0, HALVES, HALVES)
+    tip = (1.8, 4.5, 1.5)
+    winglet = Panel((1.1, 4.0, 0.0), 0.9, tip, 0.6, HALVES, np.array([0.0, 1.0]))
     return mesh_panels([wing, winglet])
 
 
@@ -71,7 +71,7 @@ def test_a_swept_wing_has_the_published_lift_curve_slope():
     # Bertin and Smith, Aerodynamics for Engineers, section 7.5: aspect ratio 5, sweep 45 degrees,
     # 4 horseshoe vortices on each half: C_L = 3.443 alpha.
     wing = Panel(
-        np.zeros(3), 0.2, np.array([0.5, 0.5, 0.0]), 0.2, np.array([0.0, 1.0]), np.linspace(0, 1, 5)
+        (0.0, 0.0, 0.0), 0.2, (0.5, 0.5, 0.0), 0.2, np.array([0.0, 1.0]), np.linspace(0, 1, 5)
     )
     boxes = mesh_panels([wing])
     result = compute_coefficients(
@@ -92,7 +92,7 @@ def test_the_middle_of_a_long_wing_has_the_lift_of_theodorsen(k):
     span = 30.0
     # Narrow strips where the lift is compared: boxes wider than long are less accurate.
     edges = np.concatenate([np.linspace(0.0, 3.0, 19), np.geomspace(3.0, span, 26)[1:]]) / span
-    wing = Panel(np.zeros(3), 1.0, np.array([0.0, span, 0.0]), 1.0, np.linspace(0.0, 1.0, 9), edges)
+    wing = Panel((0.0, 0.0, 0.0), 1.0, (0.0, span, 0.0), 1.0, np.linspace(0.0, 1.0, 9), edges)
     boxes = mesh_panels([wing])
     A = compute_influence(boxes, 0.0, 2.0 * k, Symmetry.SYMMETRIC)
     lift = np.linalg.solve(A, np.ones(len(boxes)))[:8].mean()
@@ -107,17 +107,17 @@ def test_impossible_geometry_and_conditions_are_refused():
         compute_influence(boxes, 1.0, 0.1, Symmetry.NONE)
     assert refused.value.code == "bad-mach"
     with pytest.raises(BadInput, match="must rise from 0 to 1"):
-        Panel(np.zeros(3), 1.0, np.array([0.0, 1.0, 0.0]), 1.0, np.array([0.0, 0.5]), HALVES)
+        Panel((0.0, 0.0, 0.0), 1.0, (0.0, 1.0, 0.0), 1.0, np.array([0.0, 0.5]), HALVES)
     with pytest.raises(BadInput, match="no span"):
-        Panel(np.zeros(3), 1.0, np.array([1.0, 0.0, 0.0]), 1.0, HALVES, HALVES)
+        Panel((0.0, 0.0, 0.0), 1.0, (1.0, 0.0, 0.0), 1.0, HALVES, HALVES)
     with pytest.raises(BadInput, match="at least one panel"):
         mesh_panels([])
 
 
 @pytest.mark.parametrize("wave_number", [0.0, 0.5])
 def test_strips_whose_edges_meet_the_control_points_behind_them_are_refused(wave_number):
-    wing = Panel(np.zeros(3), 1.0, np.array([0.0, 2.0, 0.0]), 1.0, HALVES, HALVES)
-    tail_start, tail_end = np.array([3.0, 0.5, 0.0]), np.array([3.0, 1.5, 0.0])
+    wing = Panel((0.0, 0.0, 0.0), 1.0, (0.0, 2.0, 0.0), 1.0, HALVES, HALVES)
+    tail_start, tail_end = (3.0, 0.5, 0.0), (3.0, 1.5, 0.0)
     tail = Panel(tail_start, 0.5, tail_end, 0.5, HALVES, np.array([0.0, 1.0]))
     boxes = mesh_panels([wing, tail])
     with pytest.raises(BadInput, match="equal edges") as refused:

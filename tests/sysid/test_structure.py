@@ -48,16 +48,18 @@ def test_the_number_of_modes_a_condition_needs_is_proposed(make_case, ratio, nee
     case = make_case(8, ratio)
     study = study_order(case.model, case.truth, OMEGA)
     assert study.needed == needed
-    assert [len(step.modes) for step in study.steps] == list(range(9))
+    assert [len(step.errors.modes) for step in study.steps] == list(range(9))
     for step, published in zip(study.steps, RESIDUALISED[ratio], strict=False):
-        assert step.residualized.named()["Cm_alpha"] == pytest.approx(published, abs=0.0005)
-        assert step.truncated.named()["Cm_alpha"] == pytest.approx(-0.698, abs=0.0005)
-    assert study.steps[needed].sufficient
-    assert not study.steps[needed - 1].sufficient
-    errors = [step.response_error or 0.0 for step in study.steps]
+        assert step.residualized.derivatives.named()["Cm_alpha"] == pytest.approx(
+            published, abs=0.0005
+        )
+        assert step.truncated.derivatives.named()["Cm_alpha"] == pytest.approx(-0.698, abs=0.0005)
+    assert study.steps[needed].errors.sufficient
+    assert not study.steps[needed - 1].errors.sufficient
+    errors = [step.errors.response_error or 0.0 for step in study.steps]
     assert errors == sorted(errors, reverse=True)  # each mode makes the responses better
     assert errors[-1] == pytest.approx(0.0, abs=1e-9)
-    assert study.steps[0].pole_error == np.inf  # no pole where SW1B is
+    assert study.steps[0].errors.pole_error is None  # no pole where SW1B is
 
 
 def test_sensors_measure_the_static_response_of_residualised_modes(make_case):

@@ -110,11 +110,11 @@ def flex28_planform(flex28: dict) -> list[Panel]:
 
     plan = flex28["design"]["plan"]
     panels = [
-        Panel(np.array([x0, y0, 0.0]), c0, np.array([x1, y1, 0.0]), c1, divide(8), divide(strips))
+        Panel((x0, y0, 0.0), c0, (x1, y1, 0.0), c1, divide(8), divide(strips))
         for (y0, x0, c0), (y1, x1, c1), strips in zip(plan, plan[1:], (6, 5, 24), strict=False)
     ]
     tip = plan[-1][1]
-    low, high = np.array([tip + 0.05, 14.0, 0.0]), np.array([tip + 0.95, 14.0, 2.2])
+    low, high = (tip + 0.05, 14.0, 0.0), (tip + 0.95, 14.0, 2.2)
     return [*panels, Panel(low, 2.0, high, 1.3, divide(8), divide(5))]
 
 
@@ -185,7 +185,7 @@ def test_quasi_steady_tables_are_those_of_the_data_set(truth):
 
 def rectangle(chordwise: int = 8) -> Boxes:
     divisions = np.linspace(0.0, 1.0, chordwise + 1)
-    wing = Panel(np.zeros(3), 1.0, np.array([0.5, 4.0, 0.0]), 1.0, divisions, np.linspace(0, 1, 9))
+    wing = Panel((0.0, 0.0, 0.0), 1.0, (0.5, 4.0, 0.0), 1.0, divisions, np.linspace(0, 1, 9))
     return mesh_panels([wing])
 
 

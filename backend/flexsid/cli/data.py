@@ -15,6 +15,7 @@ from typing import Any
 import orjson
 
 from flexsid.cli.administration import open_store
+from flexsid.cli.options import read_options
 from flexsid.cli.output import (
     parse_band,
     parse_list,
@@ -333,9 +334,7 @@ def identify_output_only(settings: Settings, arguments: argparse.Namespace) -> i
                 maneuver_id=number,
                 low_hz=low_hz,
                 high_hz=high_hz,
-                start_s=arguments.start,
-                stop_s=arguments.stop,
-                outputs=tuple(parse_list(arguments.outputs, str, "--outputs")),
+                **read_options(OutputOnlyQuery, arguments),
             )
             execute_request(store, OUTPUT_ONLY_MODES, query, report_progress)
             found = get_result(store, OUTPUT_ONLY_MODES, query)
@@ -371,14 +370,9 @@ def fit_transfer_functions(settings: Settings, arguments: argparse.Namespace) ->
         for number in parse_list(arguments.maneuver, int, "--maneuver"):
             query = TransferFunctionQuery(
                 maneuver_id=number,
-                input=arguments.input,
-                output=arguments.output,
-                zeros=arguments.zeros,
-                poles=arguments.poles,
-                integrators=arguments.integrators,
-                delay=not arguments.no_delay,
                 low_hz=low_hz,
                 high_hz=high_hz,
+                **read_options(TransferFunctionQuery, arguments),
             )
             execute_request(store, TRANSFER_FUNCTION, query, report_progress)
             found = get_result(store, TRANSFER_FUNCTION, query).function

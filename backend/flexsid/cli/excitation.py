@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.cli.administration import open_store
-from flexsid.cli.output import parse_list, print_result, show_progress, write_file
+from flexsid.cli.options import read_options
+from flexsid.cli.output import print_result, show_progress, write_file
 from flexsid.cli.runs import report_progress
 from flexsid.errors import BadInput
 from flexsid.importers import sandbox
 from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import OPTIMAL_DESIGN
-from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
+from flexsid.records.excitation import ExcitationDesign
 from flexsid.settings import Settings
 from flexsid.sysid.excitation import designer
 from flexsid.workflow.excitation.excitation_designs import (
@@ -29,7 +30,6 @@ from flexsid.workflow.excitation.excitation_designs import (
     specify_design,
 )
 from flexsid.workflow.excitation.optimal_designs import (
-    Objective,
     OptimalDesign,
     OptimalDesignQuery,
 )
@@ -120,16 +120,9 @@ def optimise_design(settings: Settings, arguments: argparse.Namespace) -> int:
     query = OptimalDesignQuery(
         design_id=arguments.design,
         run_id=arguments.run,
-        level=DEFAULT_LEVEL if arguments.level is None else arguments.level,
-        objective=Objective(arguments.objective),
-        derivatives=parse_list(arguments.derivatives, str, "--derivatives"),
-        mode=arguments.mode,
-        other_run_id=arguments.other_run,
         deflection=to_radians(arguments.deflection_deg),
         rate=to_radians(arguments.rate_deg_s),
-        load_factor=arguments.load_factor,
-        spread=arguments.spread,
-        after_run=arguments.after_run,
+        **read_options(OptimalDesignQuery, arguments),
     )
     with open_store(settings) as store:
         execute_request(store, OPTIMAL_DESIGN, query, report_progress)

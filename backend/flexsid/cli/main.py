@@ -12,7 +12,7 @@ import pkgutil
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import flexsid
 from flexsid.cli.output import discard_output, flush_output, print_error
@@ -50,7 +50,7 @@ def main(command_line: Sequence[str] | None = None) -> int:
 
 
 def _run(given: Sequence[str]) -> int:
-    arguments = build_parser().parse_args(given)
+    arguments = build_parser(*given[:1]).parse_args(given)
     settings = read_settings()
     if arguments.database is not None:
         settings = replace(settings, database=arguments.database)
@@ -81,13 +81,22 @@ class _Parser(argparse.ArgumentParser):
         raise BadInput(f"{message}; see {self.prog} --help", code="bad-arguments")
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands; ``command`` names the function to call."""
+def build_parser(only: str | None = None) -> argparse.ArgumentParser:
+    """Return the parser of all commands; ``command`` names the function to call.
+
+    With ``only`` one command, others lack the options that the class of their request states:
+    these classes take long to load.
+    """
     parser = _Parser(prog="flexsid", description="Identify flexible aircraft from flight test.")
     parser.add_argument("--version", action="version", version=f"flexsid {flexsid.__version__}")
     commands = parser.add_subparsers(required=True, metavar=None)
 
-    def add(name: str, command: str, summary: str) -> argparse.ArgumentParser:
+    def add(
+        name: str,
+        command: str,
+        summary: str,
+        add_options: Callable[[argparse.ArgumentParser], None] = lambda command: None,
+    ) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=summary, description=f"{summary.capitalize()}.")
         added.add_argument(
             "--database",
@@ -96,6 +105,9 @@ def build_parser() -> argparse.ArgumentParser:
         )
         added.add_argument("--json", action="store_true", help="print the result as JSON")
         added.set_defaults(command=command)
+        if only in (None, name):
+            with loading():
+                add_options(added)
         return added
 
     add("serve", "serve:serve", "serve the page and the REST interface on this computer")
@@ -183,7 +195,7 @@ def build_parser() -> argparse.ArgumentParser:
     predict.add_argument("file", metavar="FILE", help=meaning)
 
     summary = "determine the model structure from maneuvers"
-    _add_search_options(add("search", "models:search", summary))
+    add("search", "models:search", summary, _add_search_options)
 
     export = add("export", "data:export", "export a run, its parameters or its model")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
@@ -204,32 +216,31 @@ def build_parser() -> argparse.ArgumentParser:
     )
 
     summary = "write a report of a run, a comparison, flutter, a decision or the campaign"
-    _add_report_options(add("report", "reports:report", summary))
+    add("report", "reports:report", summary, _add_report_options)
 
     summary = "design a multisine of Table 1 for minimum relative peak factor"
     _add_design_options(add("design", "excitation:design", summary))
 
     summary = "optimise a design for an objective within limits"
-    _add_optimal_design_options(add("optimal-design", "excitation:optimise_design", summary))
+    add("optimal-design", "excitation:optimise_design", summary, _add_optimal_design_options)
 
     summary = "import flown multisines as designs"
     _add_multisine_options(add("import-multisine", "excitation:import_multisine", summary))
 
-    _add_flutter_options(
-        add("flutter", "models:predict_flutter", "predict the flutter speed from runs")
-    )
+    summary = "predict the flutter speed from runs"
+    add("flutter", "models:predict_flutter", summary, _add_flutter_options)
     summary = "fit derivatives over the envelope to all runs, and name outlying runs"
-    _add_global_model_options(add("global-model", "reports:fit_global_model", summary))
+    add("global-model", "reports:fit_global_model", summary, _add_global_model_options)
     summary = "predict the flutter speed from a prediction alone"
-    _add_predicted_flutter_options(
-        add("predicted-flutter", "models:predict_of_prediction", summary)
-    )
+    command = "models:predict_of_prediction"
+    add("predicted-flutter", command, summary, _add_predicted_flutter_options)
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
-    _add_validation_options(add("validate", "models:validate", summary))
+    add("validate", "models:validate", summary, _add_validation_options)
     summary = "fit the transfer function of an output over an input, with equivalent delay"
-    _add_transfer_function_options(add("transfer-function", "data:fit_transfer_functions", summary))
+    command = "data:fit_transfer_functions"
+    add("transfer-function", command, summary, _add_transfer_function_options)
     summary = "identify modes from outputs alone, as in turbulence, with standard errors"
-    _add_output_only_options(add("output-only", "data:identify_output_only", summary))
+    add("output-only", "data:identify_output_only", summary, _add_output_only_options)
     summary = "fit a model of one's own, state-space matrices of a Python function"
     _add_grey_box_options(add("grey-box", "grey_box:fit_grey_boxes", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
@@ -287,27 +298,29 @@ def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) 
 
 
 def _add_transfer_function_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
+
     option = command.add_argument
     meaning = "ids of maneuvers, each fitted separately"
     option("--maneuver", required=True, metavar="ID,ID", help=meaning)
-    option("--input", required=True, help="a surface, or its command (wf4s_command)")
-    option("--output", required=True, help="a sensor or combination")
-    for name, what in (("zeros", "zeros"), ("poles", "poles"), ("integrators", "integrators")):
-        option(f"--{name}", type=int, help=f"number of {what}; default: usual for the output")
-    option("--no-delay", action="store_true", help="without an equivalent delay")
+    names = ("input", "output", "zeros", "poles", "integrators")
+    add_options(command, TransferFunctionQuery, *names)
+    without: dict[str, Any] = {"dest": "delay", "default": argparse.SUPPRESS}
+    option("--no-delay", action="store_false", help="without an equivalent delay", **without)
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
 
 
 def _add_output_only_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
+
     option = command.add_argument
     meaning = "ids of maneuvers, each identified separately"
     option("--maneuver", required=True, metavar="ID,ID", help=meaning)
     meaning = "frequencies of the modes [Hz]; default: 1 Hz to 0.4 of the sample rate"
     option("--band", metavar="LOW,HIGH", help=meaning)
-    option("--start", type=float, metavar="S", help="begin of the used part [s]")
-    option("--stop", type=float, metavar="S", help="end of the used part [s]")
-    meaning = "channels to use; default: all outputs of one clock"
-    option("--outputs", default="", metavar="A,B", help=meaning)
+    add_options(command, OutputOnlyQuery, "start_s", "stop_s", "outputs")
 
 
 def _add_grey_box_options(command: argparse.ArgumentParser) -> None:
@@ -435,21 +448,23 @@ def _add_template_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_search_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.records.search import SearchSettings
+
     option = command.add_argument
     option("maneuvers", metavar="ID,ID", help="ids of maneuvers, searched jointly")
     option("--method", choices=_METHODS, default="EE")
     _add_model_options(command, "", "candidate derivatives")
-    option("--algorithm", choices=("stepwise", "orthogonal functions"), default="stepwise")
-    meaning = "initial terms for OE and FRE"
-    option("--initial-terms", choices=("all", "equation error"), default="all", help=meaning)
-    option("--f-in", type=float, default=20.0, metavar="F", help="partial F to enter")
-    option("--f-out", type=float, metavar="F", help="partial F to stay; default: as to enter")
-    meaning = "number of resamplings of the frequencies"
-    option("--resamplings", type=int, default=30, metavar="N", help=meaning)
-    option("--validate-on", default="", metavar="ID,ID", help="validation maneuvers")
+    names = ("algorithm", "initial_terms", "f_in", "resamplings", "validate_on")
+    add_options(command, SearchSettings, *names)
+    meaning = "partial F to stay; default: as to enter"
+    option("--f-out", type=float, default=argparse.SUPPRESS, metavar="F", help=meaning)
 
 
 def _add_report_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
+
     option = command.add_argument
     kinds = ("run", "comparison", "flutter", "closed-loop", "decision", "global-model", "sortie")
     option("kind", choices=(*kinds, "campaign", "template"))
@@ -458,8 +473,7 @@ def _add_report_options(command: argparse.ArgumentParser) -> None:
     meaning = "ids of predictions in the comparison"
     option("--predictions", default="", metavar="ID,ID", help=meaning)
     option("--controller", type=int, metavar="ID", help="controller of a closed loop")
-    option("--next", type=float, metavar="M/S", help="next test point of a flutter report")
-    option("--fuel", type=float, metavar="SHARE", help="fuel fraction of flutter and closed loop")
+    add_options(command, FlutterQuery, "fuel", "next_m_s")
     meaning = "units of the report: metric with deg and g, US customary, or SI with rad"
     option("--units", choices=("metric", "us", "si"), help=meaning)
     meaning = "unit of frequencies in the report"
@@ -486,24 +500,20 @@ def _add_design_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_optimal_design_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.records.excitation import DEFAULT_LEVEL
+    from flexsid.workflow.excitation.optimal_designs import Objective, OptimalDesignQuery
+
     option = command.add_argument
     option("design", type=int, metavar="DESIGN", help="id of the standard design")
     option("run", type=int, metavar="RUN", help="id of the output-error run with model and noise")
-    option(
-        "--objective",
-        choices=("flutter", "derivatives", "damping", "structures"),
-        default="flutter",
-    )
-    option("--derivatives", default="", metavar="NAME,NAME", help="of the objective")
-    option("--mode", metavar="NAME", help="root whose damping is the objective")
-    option("--other-run", type=int, metavar="RUN", help="run with the smaller model structure")
+    option("--objective", choices=list(map(str, Objective)), default=str(Objective.FLUTTER))
+    meaning = f"amplitude of the design; default: {DEFAULT_LEVEL}"
+    option("--level", type=int, choices=(0, 1, 2), default=argparse.SUPPRESS, help=meaning)
+    names = ("derivatives", "mode", "other_run_id", "load_factor", "spread", "after_run")
+    add_options(command, OptimalDesignQuery, *names)
     option("--deflection-deg", type=float, metavar="DEG", help="default: that of the design")
     option("--rate-deg-s", type=float, metavar="DEG/S", help="default: that of the design")
-    option("--load-factor", type=float, metavar="G", help="default: that of the design")
-    option("--level", type=int, choices=(0, 1, 2), help="amplitude of the design; default: 1")
-    meaning = "relative standard deviation of the derivatives before the flight"
-    option("--spread", type=float, default=0.0, metavar="SHARE", help=meaning)
-    option("--after-run", action="store_true", help="the data of the run count as flown")
 
 
 def _add_multisine_options(command: argparse.ArgumentParser) -> None:
@@ -517,28 +527,19 @@ def _add_multisine_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_flutter_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
+
     option = command.add_argument
-    meaning = "ids of succeeded runs; default: those of the approved global model"
+    meaning = (
+        "ids of succeeded runs; default: those of the approved global model, and its variation"
+    )
     option("runs", nargs="?", metavar="RUN,RUN", help=meaning)
     meaning = "id of the aircraft of the approved global model; default: 1"
     option("--aircraft", type=int, default=1, metavar="ID", help=meaning)
     option("--axis", choices=("longitudinal", "lateral"), default="longitudinal")
-    meaning = "fuel fraction; default: that of the fastest run"
-    option("--fuel", type=float, metavar="SHARE", help=meaning)
-    option("--altitude", type=float, metavar="M", help="altitude in the standard atmosphere")
-    option(
-        "--unmodelled-modes",
-        choices=("predicted", "residualized"),
-        default="predicted",
-        help="included from the prediction, or static response only",
-    )
-    option("--next", type=float, metavar="M/S", help="airspeed of the next test point")
-    option(
-        "--variation",
-        choices=("constant", "linear", "global-model"),
-        help="derivatives over the envelope: constant (default), linear over dynamic pressure, or"
-        " of a global model of the runs (default without runs)",
-    )
+    names = ("fuel", "altitude_m", "unmodelled_modes", "next_m_s", "variation")
+    add_options(command, FlutterQuery, *names)
 
 
 def _add_verify_options(command: argparse.ArgumentParser) -> None:
@@ -552,26 +553,16 @@ def _add_verify_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_global_model_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.global_model.estimates import GlobalModelQuery
+
     option = command.add_argument
     meaning = "ids of succeeded runs of one model structure; default: list the stored versions"
     option("runs", nargs="?", metavar="RUN,RUN", help=meaning)
     meaning = "store the model as the next version, to be proposed for approval"
     option("--store-version", metavar="LABEL", help=meaning)
     option("--note", default="", metavar="TEXT", help="note of the stored version")
-    option(
-        "--variables",
-        nargs="+",
-        default=("dynamic_pressure_pa", "fuel_fraction"),
-        choices=(
-            "dynamic_pressure_pa",
-            "fuel_fraction",
-            "airspeed_m_s",
-            "airspeed_ratio",
-            "alpha_rad",
-        ),
-        help="variables of the envelope; default: dynamic pressure and fuel",
-    )
-    option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
+    add_options(command, GlobalModelQuery, "variables", "prediction_id")
     meaning = "write DAVE-ML with standard errors and check cases to a file"
     option("--dave-ml", metavar="FILE", help=meaning)
     option("--fmu", metavar="FILE", help="write an FMU of the derivatives over the envelope")
@@ -583,32 +574,29 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_predicted_flutter_options(command: argparse.ArgumentParser) -> None:
-    option = command.add_argument
-    option("prediction", type=int, metavar="PREDICTION", help="id of the prediction")
-    meaning = "axis; default: the first of which the prediction has modes"
-    option("--axis", choices=("longitudinal", "lateral"), help=meaning)
-    meaning = "fuel fraction; default: the middle one of the prediction"
-    option("--fuel", type=float, metavar="SHARE", help=meaning)
-    meaning = "air density; default: standard air at sea level"
-    option("--density", type=float, metavar="KG/M3", help=meaning)
-    meaning = "lowest airspeed; default: k = 1 of the lowest mode"
-    option("--from", dest="lowest", type=float, metavar="M/S", help=meaning)
-    meaning = "highest airspeed; default: k = 0.1 of the lowest mode"
-    option("--to", dest="highest", type=float, metavar="M/S", help=meaning)
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
+
+    meaning = "id of the prediction"
+    command.add_argument("prediction_id", type=int, metavar="PREDICTION", help=meaning)
+    names = ("axis", "fuel", "density_kg_m3", "from_m_s", "to_m_s")
+    add_options(command, PredictedFlutterQuery, *names)
 
 
 def _add_validation_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+    from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+
     option = command.add_argument
     option("runs", metavar="RUN,RUN", help="ids of succeeded runs")
-    meaning = "maneuvers to predict; default: those of the runs"
-    option("--maneuvers", default="", metavar="ID,ID", help=meaning)
+    add_options(command, CrossPredictionQuery, "maneuver_ids")
     meaning = (
         "fit each run again without held-out data and predict these: all folds of the frequencies, "
         "the first fold, or the last periods"
     )
     option("--hold-out", choices=("folds", "frequencies", "periods"), help=meaning)
-    meaning = "number of folds; of periods, one share in so many is held out"
-    option("--folds", type=int, default=5, metavar="N", help=meaning)
+    add_options(command, CrossValidationQuery, "folds")
 
 
 if __name__ == "__main__":

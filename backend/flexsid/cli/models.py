@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
 from flexsid.api.models.design_requests import ComputePredictionRequest
 from flexsid.cli.administration import open_store
+from flexsid.cli.options import read_options
 from flexsid.cli.output import (
     parse_band,
     parse_list,
@@ -35,7 +35,7 @@ from flexsid.jobs.kinds import (
     SEARCH,
 )
 from flexsid.records.run import Method, RunState
-from flexsid.records.search import Algorithm, InitialTerms, SearchSettings, StructureSearch
+from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.records.validation import (
     CrossPredictionMatrix,
     CrossValidationSummary,
@@ -44,7 +44,7 @@ from flexsid.records.validation import (
 )
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes, Variation
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
 from flexsid.workflow.flutter.flutter_models import build_approved_query
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.modal_data.computed_predictions import PredictionRequest, check_prediction
@@ -58,16 +58,7 @@ from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
 def predict_flutter(settings: Settings, arguments: argparse.Namespace) -> int:
     """Print the predicted flutter speed and the margin of the next test point."""
-    if arguments.next is not None and not arguments.next > 0.0:
-        raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
-    given: dict[str, Any] = {
-        "fuel": arguments.fuel,
-        "altitude_m": arguments.altitude,
-        "next_m_s": arguments.next,
-        "unmodelled_modes": UnmodelledModes(arguments.unmodelled_modes),
-    }
-    if arguments.variation is not None:
-        given["variation"] = Variation(arguments.variation)
+    given = read_options(FlutterQuery, arguments)
     with open_store(settings) as store:
         if arguments.runs is None:
             query = build_approved_query(store, arguments.aircraft, arguments.axis, **given)
@@ -84,14 +75,7 @@ def predict_flutter(settings: Settings, arguments: argparse.Namespace) -> int:
 
 def predict_of_prediction(settings: Settings, arguments: argparse.Namespace) -> int:
     """Print the flutter speed of the derivatives of a prediction alone."""
-    query = PredictedFlutterQuery(
-        prediction_id=arguments.prediction,
-        axis=arguments.axis,
-        fuel=arguments.fuel,
-        density_kg_m3=arguments.density,
-        from_m_s=arguments.lowest,
-        to_m_s=arguments.highest,
-    )
+    query = PredictedFlutterQuery(**read_options(PredictedFlutterQuery, arguments))
     with open_store(settings) as store:
         execute_request(store, PREDICTED_FLUTTER, query, report_progress)
         found = get_result(store, PREDICTED_FLUTTER, query).flutter
@@ -160,6 +144,9 @@ def search(settings: Settings, arguments: argparse.Namespace) -> int:
     """Execute a search, store and print its result; return 0 if it succeeded."""
     maneuvers = parse_list(arguments.maneuvers, int, "MANEUVERS")
     structure = read_structure(arguments)
+    given = read_options(SearchSettings, arguments)
+    if "f_in" in given:  # terms stay by the same partial F
+        given = {"f_out": given["f_in"]} | given
     with open_store(settings) as store:
         if maneuvers:
             structure = set_axis(store, structure, maneuvers[0], arguments.axis)
@@ -168,15 +155,7 @@ def search(settings: Settings, arguments: argparse.Namespace) -> int:
             maneuver_ids=maneuvers,
             method=Method(arguments.method),
             structure=structure,
-            settings=SearchSettings(
-                algorithm=Algorithm(arguments.algorithm),
-                initial_terms=InitialTerms(arguments.initial_terms),
-                f_in=arguments.f_in,
-                f_out=arguments.f_in if arguments.f_out is None else arguments.f_out,
-                resamplings=arguments.resamplings,
-                validate_on=parse_list(arguments.validate_on, int, "--validate-on"),
-                band_hz=parse_band(arguments.band),
-            ),
+            settings=SearchSettings(band_hz=parse_band(arguments.band), **given),
         )
         added: list[StructureSearch] = []
 
@@ -228,13 +207,14 @@ def validate(settings: Settings, arguments: argparse.Namespace) -> int:
     run_ids = parse_list(arguments.runs, int, "RUNS")
     with open_store(settings) as store:
         if arguments.hold_out is None:
-            maneuvers = parse_list(arguments.maneuvers, int, "--maneuvers")
-            matrix = _predict(store, CrossPredictionQuery(run_ids=run_ids, maneuver_ids=maneuvers))
+            given = read_options(CrossPredictionQuery, arguments)
+            matrix = _predict(store, CrossPredictionQuery(run_ids=run_ids, **given))
             print_result(_format_matrix(matrix), matrix, as_json=arguments.json)
             return 0
-        partition = Partition(arguments.hold_out)
+        given = read_options(CrossValidationQuery, arguments)
+        given["partition"] = Partition(arguments.hold_out)
         for number in run_ids:
-            query = CrossValidationQuery(run_id=number, partition=partition, folds=arguments.folds)
+            query = CrossValidationQuery(run_id=number, **given)
             execute_request(store, CROSS_VALIDATION, query, report_progress)
             found = get_result(store, CROSS_VALIDATION, query).summary
             lines = "\n".join(_format_validation(found))

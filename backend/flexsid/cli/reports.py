@@ -9,6 +9,7 @@ from pathlib import Path
 
 from flexsid import reports
 from flexsid.cli.administration import open_store
+from flexsid.cli.options import read_options
 from flexsid.cli.output import parse_list, print_result, print_written_file, write_file
 from flexsid.cli.runs import report_progress
 from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem, show_in
@@ -16,7 +17,6 @@ from flexsid.errors import BadInput
 from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, GLOBAL_MODEL
-from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.records.search import IdentifiedDerivative
 from flexsid.settings import Settings
@@ -92,9 +92,7 @@ def _report_stability(
     """Report flutter or a closed loop; computed first unless the result is stored."""
     if not run_ids:
         raise BadInput(f"give ids of runs, e.g. flexsid report {arguments.kind} 1,2,3 --output ...")
-    if arguments.next is not None and not arguments.next > 0.0:
-        raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
-    query = FlutterQuery(run_ids=run_ids, fuel=arguments.fuel, next_m_s=arguments.next)
+    query = FlutterQuery(run_ids=run_ids, **read_options(FlutterQuery, arguments))
     if arguments.kind == "flutter":
         execute_request(store, FLUTTER, query, report_progress)
         return reports.flutter_report(store, query)
@@ -139,8 +137,7 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
         return _list_versions(settings, arguments)
     query = GlobalModelQuery(
         run_ids=parse_list(arguments.runs, int, "RUNS"),
-        variables=tuple(map(LimitedQuantity, arguments.variables)),
-        prediction_id=arguments.prediction,
+        **read_options(GlobalModelQuery, arguments),
     )
     with open_store(settings) as store:
         execute_request(store, GLOBAL_MODEL, query, report_progress)

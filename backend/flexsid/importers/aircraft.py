@@ -11,18 +11,15 @@ from pydantic import Field
 
 from flexsid.errors import BadInput
 from flexsid.importers.quantity import Dimension
+from flexsid.importers.record_table import table_of
 from flexsid.importers.table import (
     FromTable,
     Integer,
     InvalidValue,
     Line,
     MappingTable,
-    Name,
-    Note,
     Number,
-    Numbers,
     Text,
-    Texts,
     key,
 )
 from flexsid.records.aircraft import (
@@ -34,7 +31,6 @@ from flexsid.records.aircraft import (
     MassTable,
     Sensor,
     Surface,
-    SurfaceSymmetry,
     ThrustTable,
     find_contradicting_axis,
 )
@@ -49,17 +45,11 @@ from flexsid.sysid.model.sensor_models import (
 from flexsid.sysid.preparation.resampling import Part, combine_pair, find_pairs
 
 # Limits follow the dimension: pydantic applies annotations in order, options of a key first.
-_Area = Annotated[float, Dimension("area"), Field(gt=0)]
-_Length = Annotated[float, Dimension("length"), Field(gt=0)]
 _Frequency = Annotated[float, Dimension("angular rate", "frequency"), Field(gt=0)]
-_Noise = Annotated[float, Dimension("angle"), Field(gt=0)]
 _Delay = Annotated[float, Dimension("time"), Field(ge=0)]
 _Lengths = Annotated[tuple[float, ...], Dimension("length")]
-_Masses = Annotated[tuple[float, ...], Dimension("mass")]
 _Inertias = Annotated[tuple[float, ...], Dimension("inertia")]
-_Speeds = Annotated[tuple[float, ...], Dimension("speed")]
 _Forces = Annotated[tuple[float, ...], Dimension("force")]
-_AngularRates = Annotated[tuple[float, ...], Dimension("angular rate")]
 _Temperatures = Annotated[tuple[float, ...], Dimension("temperature")]
 _LARGEST_ORDER = 20  # of a filter: above, rounding decides its response in double precision
 _ELEMENTS: dict[str, type[Element]] = {
@@ -81,114 +71,84 @@ class AircraftPart:
     definition: Aircraft | None = None
 
 
+@table_of(Geometry)
 class GeometryMapping(MappingTable):
     """``[aircraft.geometry]``: reference dimensions of the wing."""
 
-    area_m2: _Area = key("the reference area", alias="area")
-    chord_m: _Length = key("the reference chord", alias="chord")
-    span_m: _Length = key("the reference span", alias="span")
 
-
+@table_of(MassTable, optional=("z_cg_m",))
 class MassMapping(MappingTable):
     """``[aircraft.mass]``: mass properties against fuel fraction."""
 
-    fuel: Numbers = key("the fuel fractions, increasing")
-    mass_kg: _Masses = key("the mass at each fuel fraction", alias="mass")
-    pitch_inertia_kg_m2: _Inertias = key("the pitching moment of inertia", alias="pitch_inertia")
-    x_cg_m: _Lengths = key("the centre of gravity, positive aft", alias="x_cg")
-    z_cg_m: _Lengths | None = key("centre of gravity, positive up; else zero", None, alias="z_cg")
-    roll_inertia_kg_m2: _Inertias | None = key("inertia in roll", None, alias="roll_inertia")
-    yaw_inertia_kg_m2: _Inertias | None = key("inertia in yaw", None, alias="yaw_inertia")
-    product_of_inertia_kg_m2: _Inertias | None = key(
-        "the integral of x z dm in body axes", None, alias="product_of_inertia"
-    )
     inertia_tensor_xz: _Inertias | None = key(
         "element xz of the inertia tensor: minus the product of inertia", None
-    )
-    mass_std: Number = key("standard deviation of the mass, relative to it", 0.02, ge=0, le=1)
-    inertia_std: Number = key(
-        "standard deviation of the moments of inertia, relative to them", 0.02, ge=0, le=1
     )
 
     def build(self) -> MassTable:
         """Return the mass properties in SI."""
         columns = self.entries()
-        columns["z_cg_m"] = self.z_cg_m or (0.0,) * len(self.fuel)
+        columns["z_cg_m"] = columns["z_cg_m"] or (0.0,) * len(columns["fuel"])
         tensor = columns.pop("inertia_tensor_xz")
         if tensor is not None:
-            if self.product_of_inertia_kg_m2 is not None:
+            if columns["product_of_inertia_kg_m2"] is not None:
                 problem = "or inertia_tensor_xz must be given, but not both."
                 raise InvalidValue(problem, "product_of_inertia")
             columns["product_of_inertia_kg_m2"] = tuple(-value for value in tensor)
         given = [column for column in columns.values() if isinstance(column, tuple)]
-        if not self.fuel or len({len(column) for column in given}) > 1:
+        mass = MassTable(**columns)
+        if not mass.fuel or len({len(column) for column in given}) > 1:
             problem = "and the mass properties must have the same number of values."
             raise InvalidValue(problem, "fuel")
-        _check_fuel(self.fuel)
-        for inertia in (self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2, self.yaw_inertia_kg_m2):
-            if min(self.mass_kg) <= 0 or (inertia is not None and min(inertia) <= 0):
+        _check_fuel(mass.fuel)
+        for inertia in (mass.pitch_inertia_kg_m2, mass.roll_inertia_kg_m2, mass.yaw_inertia_kg_m2):
+            if min(mass.mass_kg) <= 0 or (inertia is not None and min(inertia) <= 0):
                 raise InvalidValue("and the inertia must be positive.", "mass")
-        return MassTable(**columns)
+        return mass
 
 
+@table_of(Surface)
 class SurfaceMapping(MappingTable):
     """``[[aircraft.surfaces]]``: a control surface, or a pair moved as one."""
 
-    name: Name = key("the name of the surface")
-    instrument: Text | None = key("instrument from deflection to recording", None)
-    actuator: Text | None = key("instrument from recording to deflection", None)
-    servo: Text | None = key("instrument from command to deflection", None)
-    noise_std_rad: _Noise | None = key("standard deviation of noise", None, alias="noise_std")
-    symmetry: SurfaceSymmetry | None = key("symmetry; else from the name", None)
 
-
+@table_of(Sensor, optional=("point",))
 class SensorMapping(MappingTable):
     """``[[aircraft.sensors]]``: kind, location and instrument of a sensor."""
 
-    name: Name = key("the name of the sensor")
-    kind: Line = key("the type of sensor")
-    point: Text | None = key("row of the modal table; else the name", None)
     axis: Literal["x", "y", "z"] | None = key("axis; else from the name", None)
-    location: _Lengths = key("coordinates: x aft, y right, z up", (0.0, 0.0, 0.0))
-    instrument: Text | None = key("instrument from quantity to recording", None)
-    noise_std: Number | None = key("standard deviation of the noise, in SI", None, gt=0)
 
     def build(self) -> Sensor:
         """Return the sensor with its axis."""
-        if len(self.location) != 3:
+        entries = self.entries()
+        name, kind = entries["name"], entries["kind"]
+        if len(entries["location_m"]) != 3:
             problem = "must be the three coordinates x aft, y right, z up."
             raise InvalidValue(problem, "location")
         try:
-            model = find_sensor_model(self.kind)
+            model = find_sensor_model(kind)
         except BadInput as error:
             raise InvalidValue(f"is not known: {error.message}.", "kind") from error
-        sensor = Sensor(
-            name=self.name,
-            kind=self.kind,
-            point=self.point or self.name,
-            axis=self.axis or model.find_axis(self.name) or model.usual_axis,
-            location_m=(self.location[0], self.location[1], self.location[2]),
-            instrument=self.instrument,
-            noise_std=self.noise_std,
-        )
+        entries["point"] = entries["point"] or name
+        entries["axis"] = self.axis or model.find_axis(name) or model.usual_axis
+        sensor = Sensor(**entries)
         if (named := find_contradicting_axis(sensor)) is not None:
             problem = (
-                f"is '{sensor.axis}', but a {self.kind} called '{self.name}' measures along "
+                f"is '{sensor.axis}', but a {kind} called '{name}' measures along "
                 f"or about {named}; correct the axis, or give the sensor another name."
             )
             raise InvalidValue(problem, "axis")
         return sensor
 
 
+@table_of(Combination)
 class CombinationMapping(MappingTable):
     """``[[aircraft.combinations]]``: a weighted sum of channels."""
 
-    name: Name = key("the name of the sum")
     terms: dict[Line, Number] = key("the weights of the channels by name")
 
     def build(self) -> Combination:
         """Return the sum."""
-        return Combination(name=self.name, terms=tuple(self.terms.items()))
+        return Combination(**self.entries() | {"terms": tuple(self.terms.items())})
 
 
 class ElementMapping(MappingTable):
@@ -215,6 +175,7 @@ class ElementMapping(MappingTable):
 _Element = Annotated[Element, FromTable(ElementMapping)]
 
 
+@table_of(Instrument)
 class InstrumentMapping(MappingTable):
     """``[aircraft.instruments.<name>]``: dynamics and delay between a quantity and its samples."""
 
@@ -222,128 +183,112 @@ class InstrumentMapping(MappingTable):
     delay_s: _Delay = key("the transport delay", 0.0, alias="delay")
 
 
+@table_of(DragPolar)
 class PolarMapping(MappingTable):
     """``[aircraft.polar]``: a parabolic polar."""
 
-    cd_min: Number = key("the least drag coefficient", gt=0)
-    oswald: Number = key("the Oswald efficiency", gt=0)
-    aspect_ratio: Number = key("the aspect ratio", gt=0)
-    lift_slope: Number = key("the lift-curve slope, per rad", gt=0)
 
-
+@table_of(FlutterTable)
 class FlutterMapping(MappingTable):
     """``[aircraft.flutter]``: predicted open-loop flutter speed against fuel fraction."""
 
-    fuel: Numbers = key("the fuel fractions")
-    speed_m_s: _Speeds = key("the flutter speed at each fuel fraction", alias="speed")
-
     def build(self) -> FlutterTable:
         """Return the speeds in SI."""
-        if len(self.fuel) != len(self.speed_m_s) or not self.fuel:
+        table = FlutterTable(**self.entries())
+        if len(table.fuel) != len(table.speed_m_s) or not table.fuel:
             raise InvalidValue("and speed must have the same number of values.", "fuel")
-        _check_fuel(self.fuel)
-        if min(self.speed_m_s) <= 0:
+        _check_fuel(table.fuel)
+        if min(table.speed_m_s) <= 0:
             raise InvalidValue("must be positive.", "speed")
-        return FlutterTable(**self.entries())
+        return table
 
 
+@table_of(ThrustTable)
 class ThrustMapping(MappingTable):
     """``[aircraft.thrust]``: thrust of one engine, a row per rotation speed."""
 
-    engines: Texts = key("the channels of the rotation speeds, one per engine")
-    engine_speed: _AngularRates = key("the rotation speeds, increasing")
-    total_temperature: _Temperatures = key("total temperatures, increasing", (288.15,))
-    thrust: _Forces = key("the thrust at each rotation speed and temperature, row by row")
-    source: Note = key("where the table is from", "")
+    total_temperature_k: _Temperatures = key(
+        "total temperatures, increasing", (288.15,), alias="total_temperature"
+    )
+    thrust_n: _Forces = key(
+        "the thrust at each rotation speed and temperature, row by row", alias="thrust"
+    )
 
     def build(self) -> ThrustTable:
         """Return the table in SI."""
-        n_speeds, n_temperatures = len(self.engine_speed), len(self.total_temperature)
-        if len(self.thrust) != n_speeds * n_temperatures or n_speeds < 2:
+        n_temperatures = len(self.total_temperature_k)
+        rows = range(0, len(self.thrust_n), max(n_temperatures, 1))
+        by_row = tuple(self.thrust_n[row : row + n_temperatures] for row in rows)
+        table = ThrustTable(**self.entries() | {"thrust_n": by_row})
+        n_speeds = len(table.engine_speed_rad_s)
+        if len(self.thrust_n) != n_speeds * n_temperatures or n_speeds < 2:
             problem = (
                 f"must have {n_speeds} x {n_temperatures} values, a row of temperatures for each "
                 "of two engine speeds or more."
             )
             raise InvalidValue(problem, "thrust")
-        if not (_increases(self.engine_speed) and _increases(self.total_temperature)):
+        if not (_increases(table.engine_speed_rad_s) and _increases(table.total_temperature_k)):
             raise InvalidValue("and total_temperature must increase.", "engine_speed")
-        if not self.engines or len(set(self.engines)) < len(self.engines):
+        if not table.engines or len(set(table.engines)) < len(table.engines):
             raise InvalidValue("must name a channel for each engine, none twice.", "engines")
-        rows = range(0, len(self.thrust), n_temperatures)
-        return ThrustTable(
-            engines=self.engines,
-            engine_speed_rad_s=self.engine_speed,
-            total_temperature_k=self.total_temperature,
-            thrust_n=tuple(self.thrust[row : row + n_temperatures] for row in rows),
-            source=self.source,
-        )
+        return table
 
 
-_Surface = Annotated[Surface, FromTable(SurfaceMapping)]
-_Sensor = Annotated[Sensor, FromTable(SensorMapping)]
-_Combination = Annotated[Combination, FromTable(CombinationMapping)]
-_Instrument = Annotated[Instrument, FromTable(InstrumentMapping)]
-
-
+@table_of(
+    Aircraft,
+    without=("id",),
+    optional=("name", "geometry", "mass", "surfaces", "sensors", "instruments"),
+)
 class AircraftMapping(MappingTable):
     """``[aircraft]``: the name of an aircraft, or its definition."""
 
-    name: Name | None = key("name in the database", None)
     builtin: Text | None = key("name of an aircraft of the workbench", None)
-    description: Note = key("free text", "")
-    geometry: Annotated[Geometry, FromTable(GeometryMapping)] | None = key(
-        "reference dimensions", None
-    )
-    mass: Annotated[MassTable, FromTable(MassMapping)] | None = key("mass properties", None)
-    surfaces: tuple[_Surface, ...] = key("control surfaces, at least one", ())
-    sensors: tuple[_Sensor, ...] = key("sensors", ())
     pairs: tuple[Part, ...] = key("parts to form of sensors and surfaces on the left and right", ())
-    combinations: tuple[_Combination, ...] = key("weighted sums of channels", ())
-    instruments: dict[Line, _Instrument] = key("instruments by name", {})
-    polar: Annotated[DragPolar, FromTable(PolarMapping)] | None = key("parabolic polar", None)
-    flutter: Annotated[FlutterTable, FromTable(FlutterMapping)] | None = key("flutter speed", None)
-    thrust: Annotated[ThrustTable, FromTable(ThrustMapping)] | None = key(
-        "thrust of one engine", None
-    )
 
     def build(self) -> AircraftPart:
         """Return the name, with the definition if the mapping has one."""
+        entries = self.entries()
+        builtin, pairs, name = entries.pop("builtin"), entries.pop("pairs"), entries["name"]
         more = self.model_fields_set - {"name", "builtin", "proposed"}
-        if self.builtin is not None and (more or self.name is not None):
+        if builtin is not None and (more or name is not None):
             raise InvalidValue("is given, so that other keys do not apply.", "builtin")
-        if self.builtin is not None:
-            return AircraftPart(name=self.builtin, builtin=True)
-        if self.name is None:
+        if builtin is not None:
+            return AircraftPart(name=builtin, builtin=True)
+        if name is None:
             raise InvalidValue("is missing; expected the name of the aircraft.", "name")
         if not more:
-            return AircraftPart(name=self.name)
-        for name in ("geometry", "mass", "surfaces"):
-            if not getattr(self, name):
+            return AircraftPart(name=name)
+        for table in ("geometry", "mass", "surfaces"):
+            if not entries[table]:
                 problem = "is missing; a definition has geometry, mass and at least one surface."
-                raise InvalidValue(problem, name)
-        self._check_names()
-        pairs = _combine_pairs(self.pairs, self.sensors)
-        surfaces, parts = _combine_surfaces(self.pairs, self.surfaces)
-        entries = {k: v for k, v in self.entries().items() if k not in ("builtin", "pairs")}
-        entries["surfaces"] = (*self.surfaces, *surfaces)
-        entries["combinations"] = (*pairs, *parts, *self.combinations)
-        definition = Aircraft(**entries)
-        return AircraftPart(name=self.name, definition=definition)
+                raise InvalidValue(problem, table)
+        aircraft = Aircraft(**entries)
+        _check_names(aircraft)
+        sums = _combine_pairs(pairs, aircraft.sensors)
+        surfaces, parts = _combine_surfaces(pairs, aircraft.surfaces)
+        definition = replace(
+            aircraft,
+            surfaces=(*aircraft.surfaces, *surfaces),
+            combinations=(*sums, *parts, *aircraft.combinations),
+        )
+        return AircraftPart(name=name, definition=definition)
 
-    def _check_names(self) -> None:
-        """Reject a name that is used twice, and an instrument that is not defined."""
-        names = [item.name for item in (*self.surfaces, *self.sensors, *self.combinations)]
-        for name in names:
-            if names.count(name) > 1:
-                raise InvalidValue(f"use the name '{name}' twice.", "sensors")
-        known = ", ".join(self.instruments) or "none"
-        for table, items in (("surfaces", self.surfaces), ("sensors", self.sensors)):
-            for place, item in enumerate(items, start=1):
-                for role in ("instrument", "actuator", "servo"):
-                    name = getattr(item, role, None)
-                    if name is not None and name not in self.instruments:
-                        problem = f"names '{name}', which is not an instrument; defined: {known}."
-                        raise InvalidValue(problem, f"{table}[{place}].{role}")
+
+def _check_names(aircraft: Aircraft) -> None:
+    """Reject a name that is used twice, and an instrument that is not defined."""
+    everything = (*aircraft.surfaces, *aircraft.sensors, *aircraft.combinations)
+    names = [item.name for item in everything]
+    for name in names:
+        if names.count(name) > 1:
+            raise InvalidValue(f"use the name '{name}' twice.", "sensors")
+    known = ", ".join(aircraft.instruments) or "none"
+    for table, items in (("surfaces", aircraft.surfaces), ("sensors", aircraft.sensors)):
+        for place, item in enumerate(items, start=1):
+            for role in ("instrument", "actuator", "servo"):
+                name = getattr(item, role, None)
+                if name is not None and name not in aircraft.instruments:
+                    problem = f"names '{name}', which is not an instrument; defined: {known}."
+                    raise InvalidValue(problem, f"{table}[{place}].{role}")
 
 
 def _check_fuel(fuel: tuple[float, ...]) -> None:

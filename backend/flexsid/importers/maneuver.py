@@ -23,7 +23,7 @@ from flexsid.importers.mapping import (
 from flexsid.importers.quantity import Quantity, may_be_pulse_widths, scalar
 from flexsid.importers.source import SourceFile, Sources, refuse_field
 from flexsid.importers.table import refuse
-from flexsid.records.maneuver import Excitation, Role
+from flexsid.records.maneuver import Cut, Excitation, Role
 from flexsid.sysid.preparation.resampling import BetweenSamples
 from flexsid.text import check_line, one_line
 
@@ -262,15 +262,11 @@ _KEPT = ("airspeed", "fuel_fraction")  # of the condition: their change over a m
 class RawManeuver:
     """A maneuver extracted from its files, before anything is completed or computed.
 
-    ``axis`` is None where the mapping does not give it.
+    ``cut`` is the common time of its channels; its ``axis`` is None where the mapping does not give
+    it.
     """
 
-    label: str
-    fta: int | None
-    axis: str | None
-    note: str
-    start_s: float
-    duration_s: float
+    cut: Cut
     channels: tuple[RawChannel, ...]
     condition: Mapping[str, float]
     excitation: Excitation | None
@@ -301,7 +297,7 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
         If anything is missing or invalid; the message names the key of the
         mapping, or row and column of the file.
     """
-    timing = Timing(mapping.time, mapping.clocks, sources, (part.start_s, part.stop_s))
+    timing = Timing(mapping.time, mapping.clocks, sources, part.window_s)
     channels = extract_channels(mapping.channels, sources, timing)
     inputs = [channel.name for channel in channels if channel.role is Role.INPUT]
     if not inputs:
@@ -310,7 +306,7 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
             "surface.",
             code="bad-mapping",
         )
-    cut = tuple(channel.cut(part.start_s, part.stop_s) for channel in channels)
+    cut = tuple(channel.cut(*part.window_s) for channel in channels)
     for before, channel in zip(channels, cut, strict=True):
         if channel.samples.size < 2:
             raise BadInput(
@@ -330,12 +326,12 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
         )
     source_file, source_hash = origin(channels)
     return RawManeuver(
-        label=_label(part.label, Path(channels[0].source.name).stem),
-        fta=_fta(part, sources),
-        axis=part.axis,
-        note=part.note,
-        start_s=start_s,
-        duration_s=stop_s - start_s,
+        cut=part.build_cut(
+            start_s,
+            stop_s,
+            _label(part.label, Path(channels[0].source.name).stem),
+            _fta(part, sources),
+        ),
         channels=(*cut, *_keep_condition(part, channels, sources, timing)),
         condition={
             key: _average(item, sources, timing, part) for key, item in part.condition.items()
@@ -371,7 +367,7 @@ def _keep_condition(
             confirmed=("too-large", "too-small"),  # the average is checked
         )
         (channel,) = extract_channels((rule,), sources, timing)
-        channel = channel.cut(part.start_s, part.stop_s)
+        channel = channel.cut(*part.window_s)
         if channel.samples.size > 1:
             kept.append(channel)
     return kept
@@ -406,7 +402,7 @@ def _average(quantity: Quantity, sources: Sources, timing: Timing, part: Maneuve
     values, source = clock.select(values), source.skip_rows(clock.first_row)
     if clock.stamps is not None:
         source.check_finite(values, quantity.field)
-    samples = clock.interpolate(values)[clock.window(part.start_s, part.stop_s)]
+    samples = clock.interpolate(values)[clock.window(*part.window_s)]
     if samples.size == 0:
         raise refuse(quantity.given, f"has no sample of '{quantity.field}' inside the maneuver.")
     source.check_finite(samples, quantity.field)

@@ -19,6 +19,7 @@ from pydantic import BeforeValidator, Field, StrictBool, field_validator, model_
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import AircraftMapping, AircraftPart
 from flexsid.importers.quantity import Dimension, Length, Quantity, Time, WarningCode
+from flexsid.importers.record_table import table_of
 from flexsid.importers.source import Sources
 from flexsid.importers.table import (
     BY_FORM,
@@ -45,7 +46,7 @@ from flexsid.importers.table import (
     refuse,
 )
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Role
+from flexsid.records.maneuver import Cut, Flight, Role
 from flexsid.records.modal_data import ModalKind
 from flexsid.sysid.preparation.resampling import BetweenSamples
 
@@ -60,12 +61,11 @@ _RotationSpeed = Annotated[Quantity, Dimension("angular rate")]
 _Inertia = Annotated[Quantity, Dimension("inertia")]
 
 
+@table_of(Flight, without=("aircraft_id", "id"))
 class FlightMapping(MappingTable):
     """``[flight]``: the flight of the recording."""
 
-    number: Integer = key("the number of the flight")
     flown_on: date | None = key("day of the flight, such as 2024-05-31", None, alias="date")
-    description: Note = key("free text", "")
 
     @field_validator("flown_on", mode="before")
     @classmethod
@@ -74,6 +74,10 @@ class FlightMapping(MappingTable):
             return date.fromisoformat(str(day))
         except ValueError as error:
             raise InvalidValue(f"must have the form 2024-05-31, found '{day}'.") from error
+
+    def build(self) -> Flight:
+        """Return the flight, of an aircraft that is not known yet."""
+        return Flight(aircraft_id=0, **self.entries())
 
 
 class ConditionMapping(MappingTable):
@@ -117,6 +121,7 @@ class FtaMapping(MappingTable):
 _Fta = Annotated[Annotated[Integer, WHOLE_NUMBER] | Annotated[FtaMapping, TABLE], BY_FORM]
 
 
+@table_of(Cut, optional=("start_s", "stop_s"))
 class ManeuverMapping(MappingTable):
     """``[maneuver]``: name, time and flight condition of a maneuver."""
 
@@ -128,9 +133,17 @@ class ManeuverMapping(MappingTable):
     axis: Literal["longitudinal", "lateral", "combined", "ground"] | None = key(
         "kind of motion; combined: independent surfaces excite both axes", None
     )
-    start_s: Time | None = key("start of the maneuver in the record", None, alias="start")
-    stop_s: Time | None = key("end of the maneuver in the record", None, alias="stop")
-    note: Note = key("free text", "")
+
+    @property
+    def window_s(self) -> tuple[float | None, float | None]:
+        """Start and stop in the record; None for its ends. [s]"""
+        entries = self.entries()
+        return entries["start_s"], entries["stop_s"]
+
+    def build_cut(self, start_s: float, stop_s: float, label: str, fta: int | None) -> Cut:
+        """Return the window that the maneuver has in a record."""
+        note = self.entries()["note"]
+        return Cut(label=label, start_s=start_s, stop_s=stop_s, fta=fta, axis=self.axis, note=note)
 
 
 class OrderMapping(MappingTable):
@@ -399,7 +412,9 @@ class MappingFile(MappingTable):
 
     repair: tuple[Repair, ...] = key("damage of the record that is repaired, and noted", ())
     aircraft: Annotated[AircraftPart, FromTable(AircraftMapping)] | None = key("aircraft", None)
-    flight: FlightMapping | None = key("flight of the recording", None)
+    flight: Annotated[Flight, FromTable(FlightMapping)] | None = key(
+        "flight of the recording", None
+    )
     maneuver: ManeuverMapping | None = key("maneuver; if omitted, the flight is stored", None)
     excitation: ExcitationMapping | None = key("harmonics of each input", None)
     time: TimeMapping | None = key("time base of the channels", None)

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from flexsid.errors import Conflict
 from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.request_models import check_request
 from flexsid.storage.encoding import decode, describe_type, encode
@@ -189,7 +189,8 @@ def build_job(
         form = describe_type(kind.result)
         content = (METHODS, kind.name, form, request, kind.identify(store, request))
         digest = hashlib.sha256(repr(content).encode()).hexdigest()
-    return Job(
+    return replace(
+        NEW_JOB,
         kind=kind.name,
         title=title,
         author=author,

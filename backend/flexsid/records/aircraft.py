@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from flexsid.allowed import Share
+from flexsid.allowed import Allowed, Name, Share, Text
 from flexsid.sysid.model.sensor_models import Instrument, SensorModel, find_sensor_model
 from flexsid.sysid.preparation.resampling import find_pairs
+
+_Numbers = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Geometry:
     """Reference dimensions of the wing."""
 
-    area_m2: float
-    chord_m: float
-    span_m: float
+    area_m2: Annotated[float, Allowed(gt=0.0, text="the reference area")]
+    chord_m: Annotated[float, Allowed(gt=0.0, text="the reference chord")]
+    span_m: Annotated[float, Allowed(gt=0.0, text="the reference span")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,16 +31,22 @@ class MassTable:
     deviations of mass and moments of inertia, relative to them. [1]
     """
 
-    fuel: tuple[float, ...]
-    mass_kg: tuple[float, ...]
-    pitch_inertia_kg_m2: tuple[float, ...]
-    x_cg_m: tuple[float, ...]
-    z_cg_m: tuple[float, ...]
-    roll_inertia_kg_m2: tuple[float, ...] | None = None
-    yaw_inertia_kg_m2: tuple[float, ...] | None = None
-    product_of_inertia_kg_m2: tuple[float, ...] | None = None
-    mass_std: Share = 0.02
-    inertia_std: Share = 0.02
+    fuel: Annotated[_Numbers, Allowed(text="the fuel fractions, increasing")]
+    mass_kg: Annotated[_Numbers, Allowed(text="the mass at each fuel fraction")]
+    pitch_inertia_kg_m2: Annotated[_Numbers, Allowed(text="the pitching moment of inertia")]
+    x_cg_m: Annotated[_Numbers, Allowed(text="the centre of gravity, positive aft")]
+    z_cg_m: Annotated[_Numbers, Allowed(text="the centre of gravity, positive up; else zero")]
+    roll_inertia_kg_m2: Annotated[_Numbers | None, Allowed(text="inertia in roll")] = None
+    yaw_inertia_kg_m2: Annotated[_Numbers | None, Allowed(text="inertia in yaw")] = None
+    product_of_inertia_kg_m2: Annotated[
+        _Numbers | None, Allowed(text="the integral of x z dm in body axes")
+    ] = None
+    mass_std: Annotated[Share, Allowed(text="standard deviation of the mass, relative to it")] = (
+        0.02
+    )
+    inertia_std: Annotated[
+        Share, Allowed(text="standard deviation of the moments of inertia, relative to them")
+    ] = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,21 +58,23 @@ class ThrustTable:
     of the air; one temperature alone means that thrust does not depend on it.
     """
 
-    engines: tuple[str, ...]
-    engine_speed_rad_s: tuple[float, ...]
+    engines: Annotated[
+        tuple[str, ...], Allowed(text="the channels of the rotation speeds, one per engine")
+    ]
+    engine_speed_rad_s: Annotated[_Numbers, Allowed(text="the rotation speeds, increasing")]
     total_temperature_k: tuple[float, ...]
     thrust_n: tuple[tuple[float, ...], ...]
-    source: str = ""
+    source: Annotated[Text, Allowed(text="where the table is from")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DragPolar:
     """Parabolic polar, for trim angle of attack and thrust without record or table."""
 
-    cd_min: float
-    oswald: float
-    aspect_ratio: float
-    lift_slope: float
+    cd_min: Annotated[float, Allowed(gt=0.0, text="the least drag coefficient")]
+    oswald: Annotated[float, Allowed(gt=0.0, text="the Oswald efficiency")]
+    aspect_ratio: Annotated[float, Allowed(gt=0.0, text="the aspect ratio")]
+    lift_slope: Annotated[float, Allowed(gt=0.0, text="the lift-curve slope, per rad")]
 
 
 SurfaceSymmetry = Literal["symmetric", "antisymmetric", "single"]
@@ -81,12 +91,16 @@ class Surface:
     deflection where both were recorded; control loops are broken in front of it.
     """
 
-    name: str
-    instrument: str | None = None
-    actuator: str | None = None
-    servo: str | None = None
-    noise_std_rad: float | None = None
-    symmetry: SurfaceSymmetry | None = None
+    name: Annotated[Name, Allowed(text="the name of the surface")]
+    instrument: Annotated[str | None, Allowed(text="instrument from deflection to recording")] = (
+        None
+    )
+    actuator: Annotated[str | None, Allowed(text="instrument from recording to deflection")] = None
+    servo: Annotated[str | None, Allowed(text="instrument from command to deflection")] = None
+    noise_std_rad: Annotated[float | None, Allowed(gt=0.0, text="standard deviation of noise")] = (
+        None
+    )
+    symmetry: Annotated[SurfaceSymmetry | None, Allowed(text="symmetry; else from the name")] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,13 +113,17 @@ class Sensor:
     ``noise_std`` is in the SI unit of the channel.
     """
 
-    name: str
-    kind: str
-    point: str
+    name: Annotated[Name, Allowed(text="the name of the sensor")]
+    kind: Annotated[str, Allowed(text="the type of sensor")]
+    point: Annotated[str, Allowed(text="row of the modal table; else the name")]
     axis: str = "z"
-    location_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    instrument: str | None = None
-    noise_std: float | None = None
+    location_m: Annotated[
+        tuple[float, float, float], Allowed(text="coordinates: x aft, y right, z up")
+    ] = (0.0, 0.0, 0.0)
+    instrument: Annotated[str | None, Allowed(text="instrument from quantity to recording")] = None
+    noise_std: Annotated[
+        float | None, Allowed(gt=0.0, text="standard deviation of the noise, in SI")
+    ] = None
 
     @property
     def model(self) -> SensorModel:
@@ -123,7 +141,7 @@ class Sensor:
 class Combination:
     """A channel made of others, e.g. ``az_ofs = 0.5 az_ofl + 0.5 az_ofr`` (Eq. 3)."""
 
-    name: str
+    name: Annotated[Name, Allowed(text="the name of the sum")]
     terms: tuple[tuple[str, float], ...]
 
 
@@ -131,25 +149,25 @@ class Combination:
 class FlutterTable:
     """Predicted open-loop flutter speed against fuel; campaigns are planned in V/V_f."""
 
-    fuel: tuple[float, ...]
-    speed_m_s: tuple[float, ...]
+    fuel: Annotated[_Numbers, Allowed(text="the fuel fractions")]
+    speed_m_s: Annotated[_Numbers, Allowed(text="the flutter speed at each fuel fraction")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aircraft:
     """Everything about one airframe that does not change from maneuver to maneuver."""
 
-    name: str
-    geometry: Geometry
-    mass: MassTable
-    surfaces: tuple[Surface, ...]
-    sensors: tuple[Sensor, ...]
-    combinations: tuple[Combination, ...] = ()
-    instruments: dict[str, Instrument]
-    polar: DragPolar | None = None
-    flutter: FlutterTable | None = None
-    thrust: ThrustTable | None = None
-    description: str = ""
+    name: Annotated[Name, Allowed(text="name in the database")]
+    geometry: Annotated[Geometry, Allowed(text="reference dimensions")]
+    mass: Annotated[MassTable, Allowed(text="mass properties")]
+    surfaces: Annotated[tuple[Surface, ...], Allowed(text="control surfaces, at least one")]
+    sensors: Annotated[tuple[Sensor, ...], Allowed(text="sensors")]
+    combinations: Annotated[tuple[Combination, ...], Allowed(text="weighted sums of channels")] = ()
+    instruments: Annotated[dict[str, Instrument], Allowed(text="instruments by name")]
+    polar: Annotated[DragPolar | None, Allowed(text="parabolic polar")] = None
+    flutter: Annotated[FlutterTable | None, Allowed(text="flutter speed")] = None
+    thrust: Annotated[ThrustTable | None, Allowed(text="thrust of one engine")] = None
+    description: Annotated[Text, Allowed(text="free text")] = ""
     id: int | None = None
 
 

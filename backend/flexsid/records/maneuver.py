@@ -157,9 +157,9 @@ class Flight:
     """One flight; its maneuvers point back to it."""
 
     aircraft_id: int
-    number: int
+    number: Annotated[int, Allowed(text="the number of the flight")]
     flown_on: date | None = None
-    description: str = ""
+    description: Annotated[Text, Allowed(text="free text")] = ""
     id: int | None = None
 
 
@@ -201,11 +201,11 @@ class Cut:
     """
 
     label: Name
-    start_s: Moment
-    stop_s: Moment
+    start_s: Annotated[Moment, Allowed(text="Start of the maneuver in the record.")]
+    stop_s: Annotated[Moment, Allowed(text="End of the maneuver in the record.")]
     fta: Annotated[int | None, Allowed(ge=0, le=10**9)] = None
     axis: Annotated[str | None, Allowed(choices=("longitudinal", "lateral", "combined"))] = None
-    note: Text = ""
+    note: Annotated[Text, Allowed(text="Free text.")] = ""
 
 
 class StepKind(StrEnum):

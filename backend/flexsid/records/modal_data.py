@@ -13,6 +13,7 @@ from typing import Annotated
 import numpy as np
 
 from flexsid.allowed import Allowed, Name, Text
+from flexsid.sysid.stability.reduction_errors import ReductionErrors
 
 
 class ModalKind(StrEnum):
@@ -278,20 +279,14 @@ class Observability:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OrderStep:
-    """A reduced model with some modes; None for undefined values."""
+class OrderStep(ReductionErrors):
+    """A reduced model with some modes, and its errors; poles are pairs (real, imaginary)."""
 
-    modes: tuple[int, ...]
     names: tuple[str, ...]
-    worst: str
-    bias: float
-    pole_error: float | None
-    response_error: float | None
     poles: tuple[tuple[float, float], ...]
     truncated_poles: tuple[tuple[float, float], ...]
     residualized: dict[str, float]
     truncated: dict[str, float]
-    sufficient: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.decision import Structure
 from flexsid.records.run import AdequacyState, Method, Progress, RunState
-from flexsid.sysid.structure_determination.selection import Term
+from flexsid.sysid.structure_determination.selection import Term, ValidationFit
 
 # --- StructureSearch: a search for a model's terms, and everything it found -----------------------
 
@@ -42,13 +42,21 @@ class SearchSettings:
     are only predicted.
     """
 
-    algorithm: Algorithm = Algorithm.STEPWISE
-    initial_terms: InitialTerms = InitialTerms.ALL
-    f_in: Threshold = 20.0
-    f_out: Threshold = 20.0
+    algorithm: Annotated[Algorithm, Allowed(text="Algorithm of equation error.")] = (
+        Algorithm.STEPWISE
+    )
+    initial_terms: Annotated[InitialTerms, Allowed(text="Initial terms for OE and FRE.")] = (
+        InitialTerms.ALL
+    )
+    f_in: Annotated[Threshold, Allowed(text="Partial F to enter.")] = 20.0
+    f_out: Annotated[Threshold, Allowed(text="Partial F to stay.")] = 20.0
     pse_noise: Threshold = 25.0
-    resamplings: Annotated[int, Allowed(ge=0, le=500)] = 30
-    validate_on: Annotated[tuple[Id, ...], Allowed(max_length=100)] = ()
+    resamplings: Annotated[
+        int, Allowed(ge=0, le=500, text="Number of resamplings of the frequencies.")
+    ] = 30
+    validate_on: Annotated[
+        tuple[Id, ...], Allowed(max_length=100, text="Ids of validation maneuvers.")
+    ] = ()
     band_hz: Band | None = None
     max_iterations: Iterations = 100
     noise: Noise = "diagonal"
@@ -100,15 +108,6 @@ class TermGroup:
     r_squared: float | None
     pse: float | None
     bic: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValidationFit:
-    """Prediction of data that a candidate was not fitted to: negative log likelihood, and R2."""
-
-    name: str
-    cost: float | None
-    r_squared: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

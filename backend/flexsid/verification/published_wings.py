@@ -69,8 +69,7 @@ def _make_panel(
     n_spanwise: int,
 ) -> Panel:
     spanwise = np.linspace(0.0, 1.0, n_spanwise + 1)
-    corners = np.array([*left, 0.0]), np.array([*right, 0.0])
-    return Panel(corners[0], left_chord, corners[1], right_chord, chordwise, spanwise)
+    return Panel((*left, 0.0), left_chord, (*right, 0.0), right_chord, chordwise, spanwise)
 
 
 # --- Wing of Goland: a uniform cantilever with a published exact flutter speed, in SI -------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Annotated
 
@@ -25,7 +25,7 @@ from flexsid.api.serialization import (
     read_query,
 )
 from flexsid.jobs.kinds import COMPATIBILITY, QUALITY
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.maneuver import ConditioningStep, Correction
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import RunState
@@ -84,7 +84,8 @@ def assess_maneuvers(context: TheContext, body: AssessRequest, analyst: TheAnaly
     requests = [
         (
             maneuver.aircraft_id,
-            Job(
+            replace(
+                NEW_JOB,
                 kind=_KIND,
                 title=maneuver.label,
                 author=analyst,

@@ -113,12 +113,12 @@ def _count_up(first: int, last: int) -> range:
 def _read_panel(fields: Sequence[str], factors: Mapping[int, list[float]]) -> Panel:
     if fields[2] not in ("", "0"):
         raise ValueError(f"coordinate system {fields[2]}: only the basic system is read")
-    places = [read_real(field) for field in fields[8:16]]
+    x1, y1, z1, chord1, x4, y4, z4, chord4 = map(read_real, fields[8:16])
     return Panel(
-        np.array(places[0:3]),
-        places[3],
-        np.array(places[4:7]),
-        places[7],
+        (x1, y1, z1),
+        chord1,
+        (x4, y4, z4),
+        chord4,
         chordwise=_read_divisions(fields[4], fields[6], factors),
         spanwise=_read_divisions(fields[3], fields[5], factors),
     )

@@ -12,6 +12,7 @@ import sqlalchemy as sa
 from sqlalchemy.engine import RowMapping
 
 from flexsid.errors import UnknownRecord
+from flexsid.records.job import JobSummary
 from flexsid.records.run import Method, Progress, RunState
 from flexsid.storage.jobs.queue import JOB_CLASS
 from flexsid.storage.lists.list_query import Page, read_cursor
@@ -35,7 +36,7 @@ class JobError:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JobItem:
+class JobItem(JobSummary):
     """Progress of a job; the job of a run has its id, maneuver and method.
 
     ``position`` is the number of queued jobs that start before, without the fairness between
@@ -44,25 +45,12 @@ class JobItem:
     """
 
     id: int
-    kind: str
-    title: str
+    created_at: datetime
     run_id: int | None
     maneuver_id: int | None
     method: Method | None
-    request: dict[str, Any] | None
-    result: dict[str, Any] | None
-    state: RunState
-    attempt: int
-    priority: int
     position: int | None
-    after_job_id: int | None
-    progress: Progress | None
     error: JobError | None
-    worker: str | None
-    author: str
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
 
 
 _is_import = jobs.c.kind == _IMPORT

@@ -14,7 +14,7 @@ from pydantic import Field
 from sqlalchemy.engine import Connection
 from sqlalchemy.exc import IntegrityError
 
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import AdequacyState, EstimationRun, Method, ParameterEstimate, RunState
 from flexsid.records.search import ACCURATE
@@ -126,7 +126,7 @@ def _build_job(run: EstimationRun) -> Job:
     title = ""
     if run.derivation is not None:
         title = f"derived from run {run.derived_from_run_id}, to {run.derivation.purpose}"
-    return Job(kind=ESTIMATION, title=title, after_job_id=run.after_run_id, **state)
+    return replace(NEW_JOB, kind=ESTIMATION, title=title, after_job_id=run.after_run_id, **state)
 
 
 # --- The list of runs: summaries without the full results -----------------------------------------

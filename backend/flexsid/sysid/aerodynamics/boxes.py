@@ -3,39 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from flexsid.allowed import Allowed
 from flexsid.errors import BadInput
+
+Place = Annotated[float, Allowed(ge=-1000.0, le=1000.0)]
+Corner = tuple[Place, Place, Place]
+_Chord = Annotated[float, Allowed(ge=0.0, le=1000.0)]
+
+
+@dataclass(frozen=True, slots=True)
+class Trapezium:
+    """A trapezium between two chords along X.
+
+    ``left`` and ``right`` are the leading edges of the chords, left to right as seen from
+    behind (of a winglet on the right: bottom to top) [length]. Ranges are those of requests,
+    in metres.
+    """
+
+    left: Corner
+    left_chord: _Chord
+    right: Corner
+    right_chord: _Chord
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Panel:
-    """A trapezium between two chords along X, divided into boxes.
+class Panel(Trapezium):
+    """A trapezium divided into boxes.
 
-    ``left`` and ``right`` are the leading edges of the chords, left to right as seen from
-    behind (of a winglet on the right: bottom to top) [length]. ``chordwise`` and ``spanwise``
-    are the edges of the boxes as fractions, from 0 to 1.
+    ``chordwise`` and ``spanwise`` are the edges of the boxes as fractions, from 0 to 1.
     """
 
-    left: Float[np.ndarray, "3"]
-    left_chord: float
-    right: Float[np.ndarray, "3"]
-    right_chord: float
     chordwise: Float[np.ndarray, " n_chordwise"]
     spanwise: Float[np.ndarray, " n_spanwise"]
 
     def __post_init__(self) -> None:
         """Refuse a panel without area, or with divisions that do not rise from 0 to 1."""
-        numbers = np.concatenate([self.left, self.right, [self.left_chord, self.right_chord]])
+        numbers = [*self.left, *self.right, self.left_chord, self.right_chord]
         if not np.isfinite(numbers).all():
             raise BadInput("a corner or chord of a panel is not a number", code="bad-panel")
         if min(self.left_chord, self.right_chord) < 0 or self.left_chord + self.right_chord <= 0:
             raise BadInput("the chords of a panel must be positive", code="bad-panel")
-        if np.hypot(*(self.right - self.left)[1:]) <= 0.0:
+        if self.left[1:] == self.right[1:]:
             raise BadInput("a panel has no span between its two chords", code="bad-panel")
         for name in ("chordwise", "spanwise"):
             edges = getattr(self, name)
@@ -44,6 +59,17 @@ class Panel:
                 raise BadInput(
                     f"the {name} divisions of a panel must rise from 0 to 1", code="bad-panel"
                 )
+
+    def scale(self, factor: float) -> Panel:
+        """Return the panel in another unit of length."""
+        (x, y, z), (x1, y1, z1) = self.left, self.right
+        return replace(
+            self,
+            left=(factor * x, factor * y, factor * z),
+            left_chord=factor * self.left_chord,
+            right=(factor * x1, factor * y1, factor * z1),
+            right_chord=factor * self.right_chord,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +160,8 @@ def mesh_panels(panels: Sequence[Panel]) -> Boxes:
     corners, panel, strip, strips = [], [], [], 0
     for number, one in enumerate(panels):
         chords = one.left_chord + (one.right_chord - one.left_chord) * one.spanwise
-        leading = one.left + (one.right - one.left) * one.spanwise[:, None]
+        left, right = np.array(one.left), np.array(one.right)
+        leading = left + (right - left) * one.spanwise[:, None]
         nodes = np.repeat(leading[:, None], one.chordwise.size, axis=1)
         nodes[..., 0] += chords[:, None] * one.chordwise
         boxes = np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=2)

@@ -14,42 +14,29 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import compute_static_recovery, residualize, truncate
 from flexsid.sysid.stability.poles import Aeroelastic
+from flexsid.sysid.stability.reduction_errors import BAND, POLE_BAND, ReductionErrors
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 
 # --- Model order: reduced models with every number of modes compared with the full one ------------
 
-BAND = 0.10
-"""Within this share of the full model's a derivative counts as unbiased (Fig. 13)."""
-
-POLE_BAND = 0.05
-"""Within this relative distance of the full model's a pole counts as unbiased."""
 _SMALL_SHARE = 0.05  # of the largest of its kind: smaller derivatives are not compared
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ReducedModel:
-    """A model with the first modes of the full one.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReducedDynamics:
+    """Derivatives of a reduced model, and its poles above the real axis, by frequency [rad/s]."""
 
-    ``worst`` is the rigid-body derivative with the largest relative error
-    ``bias``; ``pole_error`` is the largest relative distance of a pole in the band from
-    the full model's, ``response_error`` the relative rms error of the responses there (None
-    without sensors).
-    """
-
-    modes: tuple[int, ...]
-    residualized: DerivativeTable
-    truncated: DerivativeTable
+    derivatives: DerivativeTable
     poles: Complex[np.ndarray, " n_poles"]
-    truncated_poles: Complex[np.ndarray, " n_poles"]
-    worst: str
-    bias: float
-    pole_error: float
-    response_error: float | None
 
-    @property
-    def sufficient(self) -> bool:
-        """Whether derivatives and poles are those of the full model, within the bands."""
-        return self.bias <= BAND and self.pole_error <= POLE_BAND
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReducedModel:
+    """A model with the first modes of the full one, by residualisation and by truncation."""
+
+    errors: ReductionErrors
+    residualized: ReducedDynamics
+    truncated: ReducedDynamics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +47,6 @@ class OrderStudy:
     """
 
     full: DerivativeTable
-    poles: Complex[np.ndarray, " n_poles"]
     steps: tuple[ReducedModel, ...]
     needed: int
 
@@ -96,31 +82,32 @@ def study_order(
     steps = []
     for count in range(len(numbers) + 1):
         retained = numbers[:count]
-        residualized = residualize(derivatives, model.modes, model.condition, retained)
-        cut = truncate(derivatives, retained)
         smaller = model.with_modes(count)
-        reduced_poles = compute_oscillatory_poles(smaller, residualized)
-        worst, bias = _compute_bias(derivatives, residualized)
+        residualized, truncated = (
+            ReducedDynamics(derivatives=table, poles=compute_oscillatory_poles(smaller, table))
+            for table in (
+                residualize(derivatives, model.modes, model.condition, retained),
+                truncate(derivatives, retained),
+            )
+        )
+        worst, bias = _compute_bias(derivatives, residualized.derivatives)
+        pole_error = _compute_pole_error(poles, residualized.poles, highest)
         error = None
         if full_response is not None:
             reduced = compute_reduced_response(model, derivatives, retained, omega)
             error = _compute_relative_error(reduced, full_response)
-        steps.append(
-            ReducedModel(
-                modes=retained,
-                residualized=residualized,
-                truncated=cut,
-                poles=reduced_poles,
-                truncated_poles=compute_oscillatory_poles(smaller, cut),
-                worst=worst,
-                bias=bias,
-                pole_error=_compute_pole_error(poles, reduced_poles, highest),
-                response_error=error,
-            )
+        errors = ReductionErrors(
+            modes=retained,
+            worst=worst,
+            bias=bias,
+            pole_error=pole_error,
+            response_error=error,
+            sufficient=bias <= BAND and pole_error is not None and pole_error <= POLE_BAND,
         )
-    insufficient = [k for k, step in enumerate(steps[:-1]) if not step.sufficient]
+        steps.append(ReducedModel(errors=errors, residualized=residualized, truncated=truncated))
+    insufficient = [k for k, step in enumerate(steps[:-1]) if not step.errors.sufficient]
     needed = insufficient[-1] + 1 if insufficient else 0
-    return OrderStudy(derivatives, poles, tuple(steps), needed)
+    return OrderStudy(derivatives, tuple(steps), needed)
 
 
 def compute_oscillatory_poles(
@@ -177,11 +164,11 @@ def _compute_bias(full: DerivativeTable, residualized: DerivativeTable) -> tuple
 
 def _compute_pole_error(
     full: Complex[np.ndarray, " n_full"], reduced: Complex[np.ndarray, " n_reduced"], highest: float
-) -> float:
+) -> float | None:
     """Largest relative distance of a full model's pole in the band from the reduced one's."""
     inside = full[np.abs(full) <= highest]
     if reduced.size < inside.size:
-        return float("inf")
+        return None
     distance = np.abs(inside[:, None] - reduced) / np.abs(inside)[:, None]
     return float(distance[linear_sum_assignment(distance)].max(initial=0.0))
 

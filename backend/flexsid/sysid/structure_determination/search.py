@@ -24,6 +24,7 @@ from flexsid.sysid.structure_determination.selection import (
     SelectionState,
     SelectionStep,
     Thresholds,
+    ValidationFit,
     compute_criteria,
     expand_values,
     select_candidates,
@@ -158,20 +159,6 @@ def _enter_terms(
 # --- Cross-validation: prediction of data that a model was not fitted to --------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class ValidationResult:
-    """Prediction of data by a model that was not fitted to them.
-
-    ``cost`` is their negative log likelihood, with the noise of the prediction errors;
-    ``r_squared`` the share of the outputs' power that is predicted, outputs equally
-    weighted.
-    """
-
-    name: str
-    cost: float
-    r_squared: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class ValidationModel:
     """Data of a maneuver, and all parameters that a model of it can have."""
@@ -182,7 +169,7 @@ class ValidationModel:
 
 def validate_prediction(
     model: ValidationModel, values: Mapping[str, float], kind: str = "diagonal"
-) -> ValidationResult:
+) -> ValidationFit:
     """Compute cost and R2 of values of parameters on the data of a maneuver."""
     experiment, candidates = model.experiment, model.candidates
     theta = expand_values(candidates, values)
@@ -193,11 +180,16 @@ def validate_prediction(
     n_groups = len(experiment.group_names)
     powers = noise.compute_group_powers(experiment.measured, experiment.group, n_groups)
     if not np.isfinite(residuals).all():
-        return ValidationResult(experiment.name, np.inf, -np.inf)
+        return ValidationFit(name=experiment.name, cost=None, r_squared=None)
     _, cost = noise.compute_residual_density(residuals, powers, experiment.group, kind)
     error = np.sum(np.abs(residuals) ** 2, axis=0)
     power = np.sum(np.abs(experiment.measured) ** 2, axis=0)
-    return ValidationResult(experiment.name, cost, float(np.mean(1.0 - error / power)))
+    r_squared = float(np.mean(1.0 - error / power))
+    return ValidationFit(
+        name=experiment.name,
+        cost=float(cost) if np.isfinite(cost) else None,
+        r_squared=r_squared if np.isfinite(r_squared) else None,
+    )
 
 
 def cross_validate(
@@ -206,7 +198,7 @@ def cross_validate(
     others: Sequence[ValidationModel] = (),
     settings: FitSettings | None = None,
     report: Report | None = None,
-) -> tuple[ValidationResult, ...]:
+) -> tuple[ValidationFit, ...]:
     """Predict data that a model was not fitted to.
 
     ``others`` are validation maneuvers: other aids, other conditions. Without any, each
@@ -234,7 +226,7 @@ def cross_validate(
 
 def _validate_halves(
     model: ValidationModel, estimate: Estimate, settings: FitSettings, report: Report | None
-) -> tuple[ValidationResult, ...]:
+) -> tuple[ValidationFit, ...]:
     experiment, candidates = model.experiment, model.candidates
     values = dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     inside = np.array([name in values for name in candidates.names])
@@ -249,7 +241,7 @@ def _validate_halves(
             half = [select_frequencies(experiment, fitted)]
             own = fit_with_leakage_correction(half, parameters, settings, report)[1]
         except NotIdentifiable:
-            found.append(ValidationResult(name, np.inf, -np.inf))
+            found.append(ValidationFit(name=name, cost=None, r_squared=None))
             continue
         elsewhere = replace(select_frequencies(experiment, ~fitted), name=name)
         refitted = dict(zip(own.names, own.values.tolist(), strict=True))

@@ -47,6 +47,20 @@ DEFAULT_THRESHOLDS = Thresholds()
 """Thresholds by default."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidationFit:
+    """Prediction of data by a model that was not fitted to them.
+
+    ``cost`` is their negative log likelihood, with the noise of the prediction errors;
+    ``r_squared`` the share of the outputs' power that is predicted, outputs equally
+    weighted. Both are None where the prediction is not finite.
+    """
+
+    name: str
+    cost: float | None
+    r_squared: float | None
+
+
 @dataclass(frozen=True, slots=True)
 class Criteria:
     """Criteria of a set of terms.

@@ -74,14 +74,29 @@ class OptimalDesignQuery(DesignQuery):
     """
 
     objective: Objective
-    derivatives: Annotated[tuple[Name, ...], Allowed(max_length=500)] = ()
-    mode: Annotated[str | None, Allowed(max_length=40, text="Name of a root.")] = None
-    other_run_id: Id | None = None
+    derivatives: Annotated[
+        tuple[Name, ...], Allowed(max_length=500, text="Derivatives of the objective.")
+    ] = ()
+    mode: Annotated[
+        str | None, Allowed(max_length=40, text="Name of the root whose damping is the objective.")
+    ] = None
+    other_run_id: Annotated[
+        Id | None, Allowed(text="Id of the run with the smaller model structure.")
+    ] = None
     deflection: Deflection | None = None
     rate: Rate | None = None
-    load_factor: Limit | None = None
-    spread: Annotated[float, Allowed(ge=0.0, le=0.5)] = 0.0
-    after_run: bool = False
+    load_factor: Annotated[
+        Limit | None, Allowed(text="Largest load factor; by default that of the design. [g]")
+    ] = None
+    spread: Annotated[
+        float,
+        Allowed(
+            ge=0.0,
+            le=0.5,
+            text="Relative standard deviation of the derivatives before the flight.",
+        ),
+    ] = 0.0
+    after_run: Annotated[bool, Allowed(text="The data of the run count as flown.")] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -199,15 +199,15 @@ def store_maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawMan
     assert aircraft.id is not None
     assert flight.id is not None
     for known in store.maneuvers.find(aircraft_id=aircraft.id, source_hash=raw.source_hash):
-        if known.label == raw.label:
+        if known.label == raw.cut.label:
             now = "" if known.deleted_at is None else ", and deleted since; restore it"
             raise Conflict(
-                f"Maneuver '{raw.label}' was imported from this file before "
+                f"Maneuver '{raw.cut.label}' was imported from this file before "
                 f"(maneuver {known.id}{now}).",
                 code="already-imported",
                 maneuver_id=known.id,
             )
-    axis = determine_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
+    axis = determine_axis(raw.cut.axis, aircraft, [(c, c.samples) for c in raw.channels])
     complete = complete_parked_condition if axis == GROUND else complete_condition
     condition = complete(aircraft, raw.condition)
     inputs = {c.name: c.samples for c in raw.channels if c.role is Role.INPUT}
@@ -216,18 +216,18 @@ def store_maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawMan
         Maneuver(
             aircraft_id=aircraft.id,
             flight_id=flight.id,
-            label=raw.label,
-            start_s=raw.start_s,
-            duration_s=raw.duration_s,
+            label=raw.cut.label,
+            start_s=raw.cut.start_s,
+            duration_s=raw.cut.stop_s - raw.cut.start_s,
             condition=condition,
-            fta=raw.fta,
+            fta=raw.cut.fta,
             axis=axis,
             excitation=excitation,
             airspeed_ratio=None if axis == GROUND else compute_airspeed_ratio(condition),
             max_input_correlation=correlate_inputs(aircraft, axis, excitation, inputs),
             source_file=raw.source_file,
             source_hash=raw.source_hash,
-            note=raw.note,
+            note=raw.cut.note,
         )
     )
 
@@ -516,15 +516,8 @@ def store_upload(
         flight = maneuver = None
         recorded: tuple[FlightChannel, ...] = ()
         if mapping.flight is not None and mapping.channels:
-            part = mapping.flight
             flight = find_or_add_flight(
-                store,
-                Flight(
-                    aircraft_id=aircraft.id or 0,
-                    number=part.number,
-                    flown_on=part.flown_on,
-                    description=part.description,
-                ),
+                store, replace(mapping.flight, aircraft_id=aircraft.id or 0)
             )
             if upload.maneuver is None:
                 _refuse_recorded(store, flight, upload.channels)

@@ -70,7 +70,7 @@ def parse_upload(sources: Sources, mapping: mappings.MappingFile) -> ParsedUploa
         channels = extract_recording(mapping, sources)
     else:
         raw = extract_maneuver(mapping.maneuver, mapping, sources)
-        raw = replace(raw, note=add_repairs(raw.note, repairs))
+        raw = replace(raw, cut=replace(raw.cut, note=add_repairs(raw.cut.note, repairs)))
         channels = raw.channels
     _check_rates(channels)
     return ParsedUpload(sources, mapping, channels, raw, repairs=repairs)

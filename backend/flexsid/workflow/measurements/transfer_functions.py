@@ -185,7 +185,7 @@ _USUAL_ORDERS = {
 _OTHER_ORDERS = (2, 2, 0)  # of accelerometers and others
 
 
-Order = Annotated[int, Allowed(ge=0, le=MOST_ORDER, text="By default that usual for the output.")]
+Order = Annotated[int, Allowed(ge=0, le=MOST_ORDER)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -199,9 +199,15 @@ class TransferFunctionQuery:
     maneuver_id: Id
     input: Annotated[str, Allowed(max_length=64, text="A surface, or its command (wf4s_command).")]
     output: Annotated[str, Allowed(max_length=64, text="A sensor or combination.")]
-    zeros: Order | None = None
-    poles: Order | None = None
-    integrators: Order | None = None
+    zeros: Annotated[
+        Order | None, Allowed(text="Number of zeros; by default that usual for the output.")
+    ] = None
+    poles: Annotated[
+        Order | None, Allowed(text="Number of poles; by default that usual for the output.")
+    ] = None
+    integrators: Annotated[
+        Order | None, Allowed(text="Number of integrators; by default that usual for the output.")
+    ] = None
     delay: Annotated[bool, Allowed(text="Whether it has an equivalent delay.")] = True
     low_hz: Annotated[float | None, Allowed(ge=0.0, le=100_000.0, text="Begin of the band.")] = None
     high_hz: Annotated[float | None, Allowed(gt=0.0, le=100_000.0, text="End of the band.")] = None

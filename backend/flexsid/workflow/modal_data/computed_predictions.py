@@ -16,7 +16,7 @@ from flexsid.records.aircraft import Aircraft, DerivativePrediction, Lattice, Un
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
+from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, Place, Trapezium, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import (
     NOT_PREDICTED,
     REDUCED_FREQUENCIES,
@@ -72,22 +72,16 @@ _NOT_PREDICTED = {f"{row}_{column}" for row, column in NOT_PREDICTED}
 _SMALL = 0.05  # of the largest derivative of its row: such an entry has a spread of that size
 
 
-Length = Annotated[float, Allowed(ge=0.0, le=1000.0)]
-Place = Annotated[float, Allowed(ge=-1000.0, le=1000.0)]
 Division = Annotated[int, Allowed(ge=1, le=200)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlanformPanel:
+class PlanformPanel(Trapezium):
     """A trapezium of the right half in structural axes (X aft, Y right, Z up). [m]
 
     ``left`` and ``right`` are leading edges, left to right as seen from behind; divisions are even.
     """
 
-    left: tuple[Place, Place, Place]
-    left_chord: Length
-    right: tuple[Place, Place, Place]
-    right_chord: Length
     chordwise: Division = 8
     spanwise: Division = 10
 
@@ -427,22 +421,16 @@ def _read_panels(request: PredictionRequest) -> tuple[Panel, ...]:
         length = factor(request.deck_unit, "length")
         every = read_aero_deck([request.deck]).panels.values()
         panels = tuple(
-            replace(
-                panel,
-                left=length * panel.left,
-                right=length * panel.right,
-                left_chord=length * panel.left_chord,
-                right_chord=length * panel.right_chord,
-            )
+            panel.scale(length)
             for panel in every
             if max(panel.left[1], panel.right[1]) > 0.0  # the left half is the mirror image
         )
     else:
         panels = tuple(
             Panel(
-                np.array(one.left),
+                one.left,
                 one.left_chord,
-                np.array(one.right),
+                one.right,
                 one.right_chord,
                 np.linspace(0.0, 1.0, one.chordwise + 1),
                 np.linspace(0.0, 1.0, one.spanwise + 1),

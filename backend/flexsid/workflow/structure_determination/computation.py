@@ -17,7 +17,6 @@ from flexsid.records.search import (
     SearchCandidate,
     SearchResult,
     TermGroup,
-    ValidationFit,
 )
 from flexsid.sysid.adequacy.validation import LEAST_DIFFERENCE
 from flexsid.sysid.stability.derivative_fusion import (
@@ -77,6 +76,7 @@ def compare_models(
         predicted = cross_validate(
             seen, one.estimates, unseen, settings, _report_iterations(at, report)
         )
+        costs = [data.cost for data in predicted if data.cost is not None]
         speed, std, sentence = _predict_flutter(task, one)
         absent = tuple(name for name in full.selected if name not in one.selected)
         ratio = None
@@ -100,15 +100,8 @@ def compare_models(
                 else 2.0 * one.cost + len(one.selected) * float(np.log(n_data).sum()),
                 likelihood_ratio=ratio,
                 predicted_ratio=None if ratio is None else search.predict_ratio(one.selected),
-                predicted=tuple(
-                    ValidationFit(
-                        name=p.name,
-                        cost=finite_or_none(p.cost),
-                        r_squared=finite_or_none(p.r_squared),
-                    )
-                    for p in predicted
-                ),
-                predictive_cost=finite_or_none(sum(p.cost for p in predicted)),
+                predicted=predicted,
+                predictive_cost=sum(costs) if len(costs) == len(predicted) else None,
                 flutter_m_s=speed,
                 flutter_std_m_s=std,
                 flutter=sentence,

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.decision import Structure
-from flexsid.records.job import Job
+from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -118,7 +118,8 @@ def add_search(store: Store, request: StructureSearch) -> StructureSearch:
         stored = store.searches.add(replace(request, state=RunState.QUEUED))
         job = queue.add_job(
             store,
-            Job(
+            replace(
+                NEW_JOB,
                 kind=queue.SEARCH,
                 title=f"{request.method.value} search",
                 author=request.author,

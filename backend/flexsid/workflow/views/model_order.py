@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -19,13 +19,12 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.stability.order import (
-    BAND,
-    POLE_BAND,
     OrderStudy,
     ReducedModel,
     compute_reduced_response,
     study_order,
 )
+from flexsid.sysid.stability.reduction_errors import BAND, POLE_BAND
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,
@@ -239,7 +238,8 @@ def _format_title(numbers: tuple[int, ...], names: dict[int, str]) -> str:
 def _describe_evidence(
     study: OrderStudy, names: dict[int, str], query: OrderQuery
 ) -> tuple[str, ...]:
-    needed = study.steps[study.needed]
+    needed = study.steps[study.needed].errors
+    assert needed.pole_error is not None  # it has all poles of the full model
     high = query.high_hz
     sentences = [
         f"With {_format_title(needed.modes, names)} every derivative of the rigid body is within "
@@ -248,11 +248,11 @@ def _describe_evidence(
         + f", and every pole below {high:g} Hz within {100 * needed.pole_error:.1f} %."
     ]
     if study.needed > 0:
-        before = study.steps[study.needed - 1]
+        before = study.steps[study.needed - 1].errors
         reasons = []
         if before.bias > BAND:
             reasons.append(f"{before.worst} is {100 * before.bias:.0f} % off")
-        if not np.isfinite(before.pole_error):
+        if before.pole_error is None:
             reasons.append(f"a pole below {high:g} Hz is missing")
         elif before.pole_error > POLE_BAND:
             reasons.append(f"a pole is {100 * before.pole_error:.0f} % off")
@@ -266,17 +266,12 @@ def _describe_evidence(
 
 def _build_step(step: ReducedModel, names: dict[int, str]) -> OrderStep:
     return OrderStep(
-        modes=step.modes,
-        names=tuple(names[number] for number in step.modes),
-        worst=step.worst,
-        bias=step.bias,
-        pole_error=step.pole_error if np.isfinite(step.pole_error) else None,
-        response_error=step.response_error,
-        poles=_split_complex(step.poles),
-        truncated_poles=_split_complex(step.truncated_poles),
-        residualized=step.residualized.named(),
-        truncated=step.truncated.named(),
-        sufficient=step.sufficient,
+        **asdict(step.errors),
+        names=tuple(names[number] for number in step.errors.modes),
+        poles=_split_complex(step.residualized.poles),
+        truncated_poles=_split_complex(step.truncated.poles),
+        residualized=step.residualized.derivatives.named(),
+        truncated=step.truncated.derivatives.named(),
     )
 
 

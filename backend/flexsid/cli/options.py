@@ -1,0 +1,88 @@
+"""Options of a command, derived from the class of its request."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import MISSING
+from enum import Enum
+from functools import partial
+from types import NoneType
+from typing import Any, get_args, get_origin
+
+from flexsid.cli.output import parse_list
+from flexsid.request_models import RequestField, list_alternatives, list_fields, unwrap
+from flexsid.units import SI_UNITS, find_unit_suffix
+
+
+def add_options(command: argparse.ArgumentParser, request: type, *names: str) -> None:
+    """Add an option for each of these fields of a request.
+
+    Name, type, choices, help and default are those of the field; ``--altitude`` is the field
+    ``altitude_m`` and ``--prediction`` the field ``prediction_id``. Ranges are checked with the
+    request.
+    """
+    known = {field.name: field for field in list_fields(request)}
+    for name in names:
+        field = known[name]
+        stem, dimension = find_unit_suffix(name)
+        stem = f"{stem.removesuffix('_ids')}s" if stem.endswith("_ids") else stem
+        flag = f"--{stem.removesuffix('_id').replace('_', '-')}"
+        kind = _find_kind(field)
+        metavar = None if dimension is None else SI_UNITS[dimension].upper()
+        form: dict[str, Any] = {}
+        if get_origin(kind) is tuple:
+            form = _describe_list(_find_item(kind), flag)
+        elif kind is bool:
+            form = {"action": "store_true"}
+        elif issubclass(kind, Enum) or "choices" in field.rules:
+            form = {"choices": field.rules.get("choices") or [one.value for one in kind]}
+        elif kind is not str:
+            form = {"type": kind, "metavar": "ID" if name.endswith("_id") else metavar}
+        command.add_argument(
+            flag,
+            dest=name,
+            default=argparse.SUPPRESS,
+            required=field.default is MISSING,
+            help=_describe(field),
+            **form,
+        )
+
+
+def read_options(request: type, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the values of the options of a request that were given, by field."""
+    given = vars(arguments)
+    return {
+        field.name: _convert(_find_kind(field), given[field.name])
+        for field in list_fields(request)
+        if field.name in given
+    }
+
+
+def _find_kind(field: RequestField) -> Any:
+    parts = (unwrap(part)[0] for part in list_alternatives(field.kind))
+    return next(part for part in parts if part is not NoneType)
+
+
+def _find_item(kind: Any) -> Any:
+    return unwrap(get_args(kind)[0])[0]
+
+
+def _describe_list(item: type, flag: str) -> dict[str, Any]:
+    if issubclass(item, Enum):
+        return {"nargs": "+", "choices": [one.value for one in item]}
+    parse: Callable[[str], object] = partial(parse_list, kind=item, option=flag)
+    return {"type": parse, "metavar": "ID,ID" if item is int else "A,B"}
+
+
+def _describe(field: RequestField) -> str:
+    text = (field.text[:1].lower() + field.text[1:]).rstrip(".").replace("%", "%%")
+    shown = field.default if isinstance(field.default, tuple) else (field.default,)
+    names = [str(getattr(one, "value", one)) for one in shown if one not in (None, False, MISSING)]
+    return f"{text}; default: {' '.join(names)}" if names else text
+
+
+def _convert(kind: Any, value: Any) -> Any:
+    if get_origin(kind) is tuple:
+        return tuple(map(_find_item(kind), value))
+    return kind(value) if issubclass(kind, Enum) else value
