@@ -342,7 +342,7 @@ export const PARTITIONS = ["folds", "frequencies", "periods"] as const;
 /** Tabs of a comparison with their sections. */
 export const COMPARE_TABS = {
   derivatives: ["derivatives", "agreement", "setup"],
-  trends: ["trends"],
+  trends: ["trends", "amplitudes"],
   responses: ["responses", "poles"],
   validation: ["time", "validation"],
 } as const;

@@ -28,6 +28,7 @@ NAMES = (
     *("motion-reconstruction", "mode-identification", "import", "optimal-design"),
     *("posterior-check", "report", "backup", "transfer-function", "response-estimation"),
     *("orthogonality", "compatibility", "output-only-modes", "grey-box-fit"),
+    "amplitude-comparison",
 )
 
 # Longer than any test waits: PostgreSQL takes a minute to end the transaction of a server

@@ -300,8 +300,8 @@ def test_a_result_of_an_earlier_form_is_not_that_of_a_request(flown: Store) -> N
 
 def test_every_kind_has_a_request() -> None:
     # A comparison of aerodynamics needs a prediction with frequency shapes, that of sensors an
-    # aircraft without modal table; they save as the others.
-    others = {kinds.AERODYNAMICS.name, kinds.COMPATIBILITY.name}
+    # aircraft without modal table, that of amplitudes two levels; they save as the others.
+    others = {kinds.AERODYNAMICS.name, kinds.COMPATIBILITY.name, kinds.AMPLITUDE_COMPARISON.name}
     assert {*_REQUESTS, *others} == set(kinds.KINDS)
 
 

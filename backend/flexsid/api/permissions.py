@@ -46,7 +46,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
     ),
     Permission.VIEWER: (
         *("list_aircraft", "get_aircraft", "list_flights", "get_flight", "list_flight_channels"),
-        "get_dashboard",
+        *("get_dashboard", "list_repeated_levels"),
         *("find_maneuvers", "list_ground_tests", "get_ground_test"),
         *("list_maneuvers", "list_maneuver_facets", "get_maneuver", "get_run_proposal"),
         "get_samples",

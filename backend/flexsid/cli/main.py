@@ -255,7 +255,20 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     add("posterior", "models:check_posterior", summary).add_argument(
         "runs", metavar="RUN,RUN", help=meaning
     )
+    summary = "test whether one linear model holds at the amplitudes of several runs"
+    _add_amplitude_options(add("amplitudes", "models:compare_amplitudes", summary))
     return parser
+
+
+def _add_amplitude_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = (
+        "ids of succeeded output-error runs of maneuvers with one multisine at several levels; "
+        "default: list the repeated levels of the campaign"
+    )
+    option("runs", nargs="?", default="", metavar="RUN,RUN", help=meaning)
+    meaning = "id of the aircraft whose levels are listed; default: 1"
+    option("--aircraft", type=int, default=1, metavar="ID", help=meaning)
 
 
 def _add_user_options(command: argparse.ArgumentParser) -> None:

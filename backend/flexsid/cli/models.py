@@ -26,6 +26,7 @@ from flexsid.errors import BadInput
 from flexsid.jobs.dispatcher import execute_job, execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import (
+    AMPLITUDE_COMPARISON,
     CROSS_PREDICTION,
     CROSS_VALIDATION,
     FLUTTER,
@@ -33,14 +34,17 @@ from flexsid.jobs.kinds import (
     PREDICTED_FLUTTER,
     PREDICTION,
     SEARCH,
+    list_compared_levels,
 )
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.records.validation import (
+    AmplitudeComparison,
     CrossPredictionMatrix,
     CrossValidationSummary,
     Partition,
     PosteriorCheck,
+    RepeatedLevels,
 )
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
@@ -49,6 +53,7 @@ from flexsid.workflow.flutter.flutter_models import build_approved_query
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.modal_data.computed_predictions import PredictionRequest, check_prediction
 from flexsid.workflow.structure_determination import searches
+from flexsid.workflow.validation.amplitude_comparison import AmplitudeComparisonQuery
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
 from flexsid.workflow.validation.posterior_check import PosteriorQuery
@@ -234,6 +239,25 @@ def check_posterior(settings: Settings, arguments: argparse.Namespace) -> int:
     return 0
 
 
+def compare_amplitudes(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the tests of equal linear models at several amplitudes, or list repeated levels."""
+    with open_store(settings) as store:
+        if not arguments.runs:
+            listed = list_compared_levels(store, arguments.aircraft)
+            lines = [line for one in listed for line in _format_levels(one)]
+            print_result(
+                lines or ["no maneuver was repeated at another amplitude"],
+                listed,
+                as_json=arguments.json,
+            )
+            return 0
+        query = AmplitudeComparisonQuery(run_ids=parse_list(arguments.runs, int, "RUNS"))
+        execute_request(store, AMPLITUDE_COMPARISON, query, report_progress)
+        found = get_result(store, AMPLITUDE_COMPARISON, query)
+    print_result(_format_amplitudes(found), found, as_json=arguments.json)
+    return 0
+
+
 def _predict(store: Store, query: CrossPredictionQuery) -> CrossPredictionMatrix:
     execute_request(store, CROSS_PREDICTION, query, report_progress)
     return get_result(store, CROSS_PREDICTION, query)
@@ -277,4 +301,26 @@ def _format_posterior(found: PosteriorCheck) -> list[str]:
             f"  {one.name:<32}{one.value:>12.5g}{one.low:>12.5g}{one.high:>12.5g}"
             f"{one.ratio:>8.2f}{one.scale_reduction:>8.3f}"
         )
+    return lines
+
+
+def _format_amplitudes(found: AmplitudeComparison) -> list[str]:
+    lines = [found.sentence]
+    for level in found.levels:
+        lines.append(f"  {np.degrees(level.amplitude_rad):.3g} deg rms: {level.label}")
+    lines.append(f"  {'':<12}{'name':<20}{'χ²':>10}{'dof':>5}{'adjusted p':>12}  at the largest")
+    for one in found.tests:
+        lines.append(
+            f"  {one.subject.value:<12}{one.name:<20}{one.chi_square:>10.1f}"
+            f"{one.degrees_of_freedom:>5}{one.adjusted_p:>12.2g}  {one.meaning}"
+        )
+    return lines
+
+
+def _format_levels(one: RepeatedLevels) -> list[str]:
+    verdict = "not compared" if one.comparison is None else one.comparison.sentence
+    lines = [f"{one.label}: {verdict}"]
+    for level in one.levels:
+        runs = ", ".join(map(str, level.run_ids)) or "none"
+        lines.append(f"  {np.degrees(level.amplitude_rad):.3g} deg rms: {level.label}; runs {runs}")
     return lines

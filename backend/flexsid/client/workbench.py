@@ -526,6 +526,14 @@ class Workbench:
         """Return the posterior of an output-error run, sampled, against its standard errors."""
         return self.compute("posterior-checks", run_id=run_id)
 
+    def compare_amplitudes(self, run_ids: Iterable[int]) -> dict[str, Any]:
+        """Return tests of equal linear models at several amplitudes, by output-error runs."""
+        return self.compute("amplitude-comparisons", run_ids=run_ids)
+
+    def repeated_levels(self, aircraft_id: int) -> list[dict[str, Any]]:
+        """Return maneuvers of one condition and multisine at several amplitudes, with runs."""
+        return self.get(f"aircraft/{aircraft_id}/repeated-levels")["items"]
+
     def transfer_function(
         self,
         maneuver_id: int,

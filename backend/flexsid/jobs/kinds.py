@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -26,10 +26,12 @@ from flexsid.records.quality import CompatibilityReport
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.records.validation import (
     AerodynamicsComparison,
+    AmplitudeComparison,
     CrossPredictionMatrix,
     CrossValidation,
     CrossValidationSummary,
     PosteriorCheck,
+    RepeatedLevels,
 )
 from flexsid.records.views import (
     OutputOnlyResult,
@@ -84,9 +86,11 @@ from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
 from flexsid.workflow.validation import (
     aerodynamics_comparison,
+    amplitude_comparison,
     cross_prediction,
     cross_validation,
     posterior_check,
+    repeated_levels,
 )
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 
@@ -115,6 +119,10 @@ def _in_snapshot(
 
 def _send_run(store: Store, job: Job, query: Any) -> SnapshotTask:
     return SnapshotTask(take_snapshot(store, run_ids=(query.run_id,)), query)
+
+
+def _send_runs(store: Store, job: Job, query: Any) -> SnapshotTask:
+    return SnapshotTask(take_snapshot(store, run_ids=query.run_ids), query)
 
 
 def _send_fused_runs(store: Store, job: Job, query: Any) -> SnapshotTask:
@@ -377,6 +385,23 @@ POSTERIOR = Analysis(
     response=PosteriorCheck,
     about="Return the stored posterior of an output-error run, against its standard errors.",
     page="/runs/{run_id}?tab=checks#posterior",
+)
+AMPLITUDE_COMPARISON = Analysis(
+    name="amplitude-comparison",
+    label="Comparison of amplitudes",
+    request=amplitude_comparison.AmplitudeComparisonQuery,
+    prepare=_send_runs,
+    compute=_in_snapshot(amplitude_comparison.compare_amplitudes),
+    result=AmplitudeComparison,
+    identify=amplitude_comparison.identify_amplitude_comparison,
+    path="/amplitude-comparisons",
+    noun="amplitude_comparison",
+    describe=_count_runs,
+    response=AmplitudeComparison,
+    about="""
+    Return the stored tests of equal linear models at several amplitudes, by output-error runs.
+    """,
+    page="/compare?tab=trends&runs={run_ids}#amplitudes",
 )
 PREDICTED_ACCURACY = Analysis(
     name="predicted-accuracy",
@@ -667,6 +692,22 @@ def find_stored_predictions(
         return get_result(store, CROSS_PREDICTION, query)
     except FlexsidError:
         return None
+
+
+def list_compared_levels(store: Store, aircraft_id: int) -> list[RepeatedLevels]:
+    """List the repeated levels of a campaign, with the stored comparison of each."""
+
+    def find_comparison(run_ids: tuple[int, ...]) -> AmplitudeComparison | None:
+        try:
+            query = amplitude_comparison.AmplitudeComparisonQuery(run_ids=run_ids)
+            return get_result(store, AMPLITUDE_COMPARISON, query)
+        except FlexsidError:
+            return None
+
+    return [
+        replace(one, comparison=find_comparison(one.run_ids))
+        for one in repeated_levels.list_repeated_levels(store, aircraft_id)
+    ]
 
 
 def read_grey_box(store: Store, job_id: int) -> GreyBoxFit:

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from flexsid.records.run import AdequacyState, Aerodynamics
+from flexsid.sysid.adequacy.equal_levels import Pattern
 from flexsid.sysid.adequacy.validation import ResidualCorrelation
 from flexsid.sysid.estimation.agreement import FALSE_ALARM_RATE
 from flexsid.sysid.estimation.estimate import PredictedOutput
@@ -427,3 +428,94 @@ class PosteriorCheck:
     parameters: tuple[PosteriorQuantity, ...]
     poles: tuple[PosteriorQuantity, ...]
     flutter: PosteriorQuantity | None = None
+
+
+# --- Amplitude dependence: runs at several levels of one excitation -------------------------------
+
+
+class AmplitudeSubject(StrEnum):
+    """What a test of equal levels is of."""
+
+    DERIVATIVE = "derivative"
+    MODE = "mode"  # frequency and damping of its pole
+    INPUT = "input"  # a factor on all its control derivatives
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedLevel:
+    """One level: its runs, and the rms deflection of all inputs during the excitation. [rad]"""
+
+    amplitude_rad: float
+    run_ids: tuple[int, ...]
+    label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AmplitudeQuantity:
+    """A quantity by level, smallest amplitude first, and its change at the largest one.
+
+    ``change`` is the difference from the mean of the smaller levels. Standard errors are those due
+    to noise: of all other errors each level has the same. The effectiveness of an input has no
+    values, but its change.
+    """
+
+    name: str
+    unit: str
+    values: tuple[float, ...]
+    std_errors: tuple[float, ...]
+    change: float
+    change_std_error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AmplitudeTest:
+    """Test whether a derivative, mode or input is the same at all levels.
+
+    ``chi_square`` has ``degrees_of_freedom`` if it is; ``adjusted_p`` is the p-value in view of
+    the number of tests (Holm), and it ``rejects`` below 5 %. ``pattern`` is what the change is
+    like, if any.
+    """
+
+    subject: AmplitudeSubject
+    name: str
+    quantities: tuple[AmplitudeQuantity, ...]
+    chi_square: float
+    degrees_of_freedom: int
+    p: float
+    adjusted_p: float
+    rejects: bool
+    pattern: Pattern | None
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AmplitudeComparison:
+    """Whether one linear model holds at all levels: no test rejects it.
+
+    ``tests`` are sorted by p, smallest first.
+    """
+
+    is_linear: bool
+    sentence: str
+    levels: tuple[ComparedLevel, ...]
+    tests: tuple[AmplitudeTest, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RepeatedLevels:
+    """Maneuvers of one condition with one multisine at several amplitudes.
+
+    ``levels`` have the newest output-error run of each maneuver with the model structure that most
+    of them share. ``comparison`` is the stored one of these runs; None where it was not computed.
+    """
+
+    condition_id: int
+    label: str
+    airspeed_m_s: float
+    levels: tuple[ComparedLevel, ...]
+    comparison: AmplitudeComparison | None = None
+
+    @property
+    def run_ids(self) -> tuple[int, ...]:
+        """Runs of all levels."""
+        return tuple(sorted(number for level in self.levels for number in level.run_ids))

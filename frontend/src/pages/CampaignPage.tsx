@@ -14,6 +14,7 @@ import { Loaded } from "../components/display/Loaded";
 import { apiFilters, ManeuverFilters } from "../components/maneuvers/ManeuverFilters";
 import { ManeuverList } from "../components/maneuvers/ManeuverList";
 import { AssessButton } from "../components/quality/QualityAssessment";
+import { CampaignAmplitudes } from "../components/maneuvers/CampaignAmplitudes";
 import { CampaignCoverage, CampaignWarnings } from "../components/maneuvers/CampaignCoverage";
 import { PageHead } from "../components/frame/PageHead";
 import { Sections } from "../components/frame/SectionTabs";
@@ -135,13 +136,14 @@ export function CampaignPage() {
       <CampaignProgress />
       <GroundTestAlarm />
       <Sections
-        names={["maneuvers", "coverage", "warnings"]}
+        names={["maneuvers", "coverage", "amplitudes", "warnings"]}
         contents={{
           maneuvers: ["Maneuvers", table],
           coverage: [
             "Derivatives over the envelope",
             <CampaignCoverage view={view} onChange={change} />,
           ],
+          amplitudes: ["Repeated amplitudes", <CampaignAmplitudes view={view} />],
           warnings: ["Open warnings", <CampaignWarnings view={view} />],
         }}
       />

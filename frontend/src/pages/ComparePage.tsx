@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
+import { CompareAmplitudes } from "../components/comparison/CompareAmplitudes";
 import { CompareAgreement } from "../components/comparison/CompareAgreement";
 import {
   CompareDerivatives,
@@ -119,7 +120,8 @@ function Compared(props: CompareTabProps) {
     derivatives: ["Derivatives", <CompareDerivatives {...props} />],
     agreement: ["Agreement", <CompareAgreement {...props} />],
     setup: ["Setup differences", <CompareSetup {...props} />],
-    trends: ["Trends", <CompareTrends {...props} />],
+    trends: ["Over the condition", <CompareTrends {...props} />],
+    amplitudes: ["Over amplitude", <CompareAmplitudes {...props} />],
     responses: ["Frequency responses", <CompareResponses {...props} />],
     poles: ["Poles and fits", <ComparePoles {...props} />],
     time: ["Time histories", <CompareTime {...props} />],

@@ -15,11 +15,12 @@ from flexsid.api.models.responses import PredictionDetail, extend_record
 from flexsid.api.responses import submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
-from flexsid.jobs.kinds import PREDICTION
+from flexsid.jobs.kinds import PREDICTION, list_compared_levels
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, DerivativeValue
 from flexsid.records.search import CampaignDashboard
+from flexsid.records.validation import RepeatedLevels
 from flexsid.storage.jobs.job_list import JobItem
-from flexsid.storage.lists.list_query import Page
+from flexsid.storage.lists.list_query import Items, Page
 from flexsid.workflow.aircraft import derivative_predictions
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.aircraft.flight_condition import parse_thrust_table, set_thrust_table
@@ -77,6 +78,15 @@ def get_aircraft(store: TheStore, aircraft_id: Identity) -> Aircraft:
 def get_dashboard(store: TheStore, aircraft_id: Identity) -> CampaignDashboard:
     """Return coverage of the envelope, identified derivatives and open warnings of a campaign."""
     return read_dashboard(store, aircraft_id)
+
+
+@aircraft_router.get("/{aircraft_id}/repeated-levels")
+def list_repeated_levels(store: TheStore, aircraft_id: Identity) -> Items[RepeatedLevels]:
+    """List maneuvers of one condition with one multisine at several amplitudes.
+
+    With the runs that can be compared, and their stored amplitude comparison.
+    """
+    return Items(items=list_compared_levels(store, aircraft_id))
 
 
 @aircraft_router.put("/{aircraft_id}")

@@ -20,6 +20,7 @@ from flexsid.api.serialization import Identity, JsonRoute, Reference
 from flexsid.figure_table import TrendParameters
 from flexsid.jobs.kinds import (
     AERODYNAMICS,
+    AMPLITUDE_COMPARISON,
     CROSS_PREDICTION,
     CROSS_VALIDATION,
     POSTERIOR,
@@ -110,5 +111,11 @@ def get_condition_derivatives(store: TheStore, condition_id: Identity) -> Respon
 validation_router = make_router(tag="validation")
 
 
-for _analysis in (CROSS_PREDICTION, CROSS_VALIDATION, AERODYNAMICS, POSTERIOR):
+for _analysis in (
+    CROSS_PREDICTION,
+    CROSS_VALIDATION,
+    AERODYNAMICS,
+    POSTERIOR,
+    AMPLITUDE_COMPARISON,
+):
     add_analysis(validation_router, _analysis)

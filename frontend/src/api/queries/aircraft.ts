@@ -30,3 +30,17 @@ export const predictionsQuery = (aircraftId?: number) =>
         }),
       ),
   });
+
+/** Maneuvers of a campaign with one multisine at several amplitudes, and their runs. */
+export const repeatedLevelsQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["repeated-levels", aircraftId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/aircraft/{aircraft_id}/repeated-levels", {
+          params: { path: { aircraft_id: aircraftId } },
+          signal,
+        }),
+      ),
+    select: (page) => page.items,
+  });

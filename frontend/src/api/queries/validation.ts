@@ -27,3 +27,7 @@ export const aerodynamicsResult = (runId: number, requested: boolean) =>
 /** The posterior of an output-error run against its standard errors; computed where `requested`. */
 export const posteriorResult = (runId: number, requested: boolean) =>
   storedResult("/api/v1/posterior-checks", { query: { run_id: runId } }, requested);
+
+/** Tests of equal linear models at the amplitudes of output-error runs. */
+export const amplitudeResult = (runs: readonly number[]) =>
+  storedResult("/api/v1/amplitude-comparisons", { query: { run_ids: runs.join(",") } });
