@@ -142,6 +142,10 @@ def test_transfer_functions_have_the_poles_of_the_model(workbench: Workbench) ->
         workbench.transfer_function(1, name, "q", **orders) for name in ("wf4s", "wf4s_command")
     )
     assert augmented["delay_s"] > bare["delay_s"] + 0.005, "of the servo"
+    low_order = workbench.transfer_function(1, "bfs", "q")
+    assert low_order["band_hz"][1] < 3.8, "below the first elastic mode"
+    assert low_order["is_close"]
+    assert low_order["gain_unit"] == "(rad/s)/(rad s)"
 
 
 def test_modes_come_from_outputs_alone(workbench: Workbench) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexsid.demo.transport import TRUE, add_transport
@@ -50,13 +51,23 @@ def test_transfer_functions_of_a_combination_of_recorded_surfaces(store: Store) 
     assert doublets is not None
     assert independent is not None
 
-    def fit(number: int, surface: str):
-        query = TransferFunctionQuery(maneuver_id=number, input=surface, output="p", poles=2)
+    def fit(number: int, surface: str, zeros: int = 0, poles: int = 2):
+        query = TransferFunctionQuery(
+            maneuver_id=number, input=surface, output="p", zeros=zeros, poles=poles
+        )
         return estimate_transfer_function(store, query).function
 
     assert fit(independent, "aileron_a").warnings == ()
     (warning,) = fit(doublets, "aileron_a").warnings
     assert warning.startswith("rudder also moves")
+    # The response to the rudder is estimated beside, with the same Dutch roll and roll mode.
+    both = [fit(number, "aileron_a", zeros=2, poles=3) for number in (doublets, independent)]
+    errors = [(one.gain, one.gain_std) for one in both]
+    errors = [*zip(*errors, strict=True)]
+    assert abs(np.subtract(*errors[0])) < 3.0 * np.hypot(*errors[1])
+    for one, other in zip(both[0].poles, both[1].poles, strict=True):
+        std = np.hypot(one.frequency_std_rad_s, other.frequency_std_rad_s)
+        assert abs(one.frequency_rad_s - other.frequency_rad_s) < 3.0 * std < 3.0
     with pytest.raises(BadInput, match="'aileron_s' has power") as refused:
         fit(doublets, "aileron_s")
     assert refused.value.code == "not-excited"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.spectra.residual_spectrum import estimate_noise_in_motion
 from flexsid.sysid.stability.transfer_function import (
     TransferFunctionForm,
     compute_mismatch_cost,
@@ -52,6 +53,44 @@ def test_two_standard_errors_hold_the_truth(fits, colour):
         )
         inside += [abs(error) < 2.0 * std for error, std in pairs]
     assert 0.91 < np.mean(inside) < 0.985, f"{np.mean(inside):.3f}"
+
+
+def test_noise_of_the_measured_input_does_not_bias():
+    """Lines weighted by the power of a noisy input attenuate the gain by 1 + rho^2: 4 %."""
+    rng = np.random.default_rng(4)
+    omega, rho = np.linspace(0.5, 15.0, 1200), 0.2
+    s = 1j * omega
+    truth = GAIN * (s + ZERO) * np.exp(-DELAY * s) / (s**2 + 4.8 * s + FREQUENCY**2)
+    u, at_output = (
+        (rng.normal(size=s.size) + 1j * rng.normal(size=s.size)) / np.sqrt(2.0) for _ in range(2)
+    )
+    u, measured, level = np.exp(1j * omega), np.exp(1j * omega) + rho * u, 0.05
+    std = np.hypot(level, rho * np.abs(truth)) / np.abs(measured)
+    response = (truth * u + level * at_output) / measured
+    exact = fit_transfer_function(SHORT_PERIOD, omega, response, std)
+    found = fit_transfer_function(
+        SHORT_PERIOD, omega, response, std, input_std=rho / np.abs(measured)
+    )
+    assert abs(found.gain - GAIN) < 2.0 * found.gain_std
+    assert (
+        abs(found.poles[0].frequency_rad_s - FREQUENCY) < 2.5 * found.poles[0].frequency_std_rad_s
+    )
+    assert GAIN - exact.gain > 2.5 * exact.gain_std
+
+
+def test_noise_of_a_record_in_motion_is_the_scatter_about_its_responses():
+    """The spectrum of the input is random, as that of turbulence or a stick is."""
+    rng = np.random.default_rng(5)
+    u, noise = (rng.normal(size=(400, 1)) + 1j * rng.normal(size=(400, 1)) for _ in range(2))
+    omega = np.linspace(0.5, 15.0, 400)
+    smooth, free = (1.0 / (1j * omega + p) for p in (2.0, 3.0 + 4.0j))
+    ends = np.exp(-3j * omega)[:, None]
+    z = smooth[:, None] * u + free[:, None] * ends + 0.01 / np.sqrt(2.0) * noise
+    found = estimate_noise_in_motion(omega, u, z, ends, omega[::40])
+    assert found is not None
+    np.testing.assert_allclose(found[:, 0], 0.01, rtol=0.4)
+    assert np.mean(found) == pytest.approx(0.01, rel=0.15)
+    assert estimate_noise_in_motion(omega[:8], u[:8], z[:8], ends[:8], omega[:1]) is None
 
 
 def test_the_delay_stands_for_dynamics_that_are_omitted():

@@ -381,9 +381,9 @@ def fit_transfer_functions(settings: Settings, arguments: argparse.Namespace) ->
 
 
 def _format_function(found: TransferFunction) -> Iterator[str]:
-    yield f"maneuver {found.maneuver_id}, {found.band_hz[0]:.3g} to {found.band_hz[1]:.3g} Hz"
+    yield f"maneuver {found.maneuver_id}"
     yield f"  {found.sentence} {_ERRORS}"
-    yield f"  {'gain':<24}{found.gain:>12.5g} ± {found.gain_std:.2g}"
+    yield f"  {f'gain [{found.gain_unit}]':<24}{found.gain:>12.5g} ± {found.gain_std:.2g}"
     if found.has_delay:
         yield f"  {'equivalent delay [s]':<24}{found.delay_s:>12.5g} ± {found.delay_std_s:.2g}"
     yield from _format_roots("zero", found.zeros)

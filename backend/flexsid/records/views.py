@@ -544,7 +544,8 @@ class TransferFunction:
     """K (s^m + ...) e^(-tau s) / (s^i (s^n + ...)) with standard errors.
 
     ``numerator`` and ``denominator`` are coefficients of rising powers of s, the latter without
-    the ``integrators``; ``gain`` is the leading one of the numerator. ``mismatch`` is the
+    the ``integrators``; ``gain`` is the leading one of the numerator, in
+    ``gain_unit`` of SI units. ``mismatch`` is the
     standard deviation of the relative error beyond noise, ``mismatch_cost`` that of low-order
     equivalent systems, ``is_close`` whether pilots do not distinguish what of it exceeds noise.
     """
@@ -560,6 +561,7 @@ class TransferFunction:
     n_frequencies: int
     gain: float
     gain_std: float
+    gain_unit: str
     delay_s: float
     delay_std_s: float
     numerator: tuple[float, ...]

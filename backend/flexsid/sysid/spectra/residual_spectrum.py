@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Complex, Float
 
 # --- Residual spectrum of a smooth response: noise from the scatter of neighbouring data points
@@ -14,6 +15,10 @@ _DEGREE = 5  # of the polynomial of a local fit
 _NEIGHBOURS = 24  # residuals on either side that share one noise level
 _STRIDE = 4  # data points from one level to the next
 _LEAST_WINDOWS = 8  # local fits whose median is a noise level
+_PARABOLA = 2  # degree of local fits of a record in motion
+_EXCESS = 3  # frequencies of such a fit beyond its unknowns
+_FITS = 3  # without common frequencies, whose median is a noise level
+_DEPENDENT = 1e-6  # relative size of a regressor that the others explain
 _ASSIGNED = 0.7  # least share of one input in the excitation of a frequency that it is assigned to
 
 
@@ -89,6 +94,68 @@ def estimate_scatter(
     if len(fits) < _LEAST_WINDOWS:
         return None
     return np.sqrt(np.median(np.abs(fits @ values) ** 2, axis=0) / np.log(2.0))
+
+
+def count_frequencies(n_regressors: int) -> int:
+    """Return the frequencies from which ``estimate_noise_in_motion`` has enough local fits."""
+    return _FITS * _compute_width(n_regressors)
+
+
+def _compute_width(n_regressors: int) -> int:
+    return (_PARABOLA + 1) * n_regressors + _EXCESS
+
+
+def estimate_noise_in_motion(
+    omega: Float[np.ndarray, " n_omega"],
+    inputs: Complex[np.ndarray, "n_omega n_u"],
+    values: Complex[np.ndarray, "n_omega n_channels"],
+    ends: Complex[np.ndarray, "n_omega n_ends"],
+    targets: Float[np.ndarray, " n_target"],
+) -> Float[np.ndarray, "n_target n_channels"] | None:
+    """Estimate the noise of spectra of a record that begins or ends in motion.
+
+    Parameters
+    ----------
+    omega
+        Neighbouring multiples of 1/T. [rad/s]
+    inputs, values
+        Spectra of inputs and channels.
+    ends
+        Spectra of unit impulses at the ends in motion.
+    targets
+        Frequencies at which the noise is wanted. [rad/s]
+
+    Returns
+    -------
+    array or None
+        Standard deviations; None with fewer frequencies than a local fit has.
+
+    Notes
+    -----
+    Responses to the inputs and to the impulses at the ends are parabolas over neighbouring
+    frequencies (local polynomial method); levels are those of ``estimate_noise_level``. Source:
+    Pintelon and Schoukens, System Identification, 2nd ed., 2012, sec. 7.2.
+    """
+    regressors = np.concatenate([inputs, ends], axis=1)
+    width = _compute_width(regressors.shape[1])
+    if len(values) < width:
+        return None
+    x = np.linspace(-1.0, 1.0, width)[:, None] ** np.arange(_PARABOLA + 1)
+    near = np.lib.stride_tricks.sliding_window_view(regressors, width, axis=0).transpose(0, 2, 1)
+    near = near / np.maximum(np.linalg.norm(near, axis=1, keepdims=True), np.finfo(float).tiny)
+    columns = (near[:, :, :, None] * x[:, None, :]).reshape(len(near), width, -1)
+    basis, size, _ = np.linalg.svd(columns, full_matrices=False)
+    used = size > _DEPENDENT * size[:, :1]
+    basis = basis * used[:, None, :]
+    windows = np.lib.stride_tricks.sliding_window_view(values, width, axis=0).transpose(0, 2, 1)
+    rest = windows - basis @ (basis.conj().transpose(0, 2, 1) @ windows)
+    # The sum of so many exponential variables, with the median of one of their mean.
+    freedom = width - np.count_nonzero(used, axis=1)
+    median = scipy.special.gammaincinv(freedom, 0.5)
+    power = np.sum(np.abs(rest) ** 2, axis=1) * (np.log(2.0) / median)[:, None]
+    half = width // 2
+    centres = omega[half : half + len(power)]
+    return np.sqrt(estimate_noise_level([centres], [power], [targets])[0])
 
 
 def estimate_noise_level(

@@ -16,21 +16,28 @@ from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.views import Response, TransferFunction, TransferFunctionResult
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
-from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses, estimate_scatter
+from flexsid.sysid.spectra.residual_spectrum import (
+    count_frequencies,
+    estimate_noise_in_motion,
+)
 from flexsid.sysid.stability.transfer_function import (
     MOST_ORDER,
     TransferFunctionFit,
     TransferFunctionForm,
     fit_transfer_function,
 )
+from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, define_outputs
 from flexsid.workflow.aircraft.axes import find_body
-from flexsid.workflow.measurements.maneuver_spectra import read_measurement, read_spectra
+from flexsid.workflow.measurements.maneuver_spectra import read_measurement, read_recording
 from flexsid.workflow.measurements.recording import (
     COMMAND_SUFFIX,
+    ManeuverMeasurement,
+    MeasuredSpectra,
     select_frequencies,
 )
 from flexsid.workflow.measurements.sensor_responses import find_excited_band
+from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
 
 # --- Frequency response of one output to one input of a maneuver, with its errors -----------------
 
@@ -38,6 +45,9 @@ _QUIET = 0.03  # of the largest deflection: the response at a frequency is noise
 _STILL = 0.1  # of the input's rms amplitude: another surface that moves more is reported
 _AT_REST = 1e-6  # of the rms amplitude of another surface: a sum of surfaces that cancel
 _LEAST_FREQUENCIES = 4
+_TRANSFORMED = (Role.INPUT, Role.OUTPUT, Role.COMMAND)
+_BANDS = 4  # of the spectrum of a surface, whose lowest level is that of its noise
+_RESOLVED = 0.8  # of the Nyquist frequency: higher is the noise of an anti-alias filter
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,14 +55,20 @@ class SingleResponse:
     """Response of an output to an input, instruments removed.
 
     ``std`` is the standard deviation of its complex error, None where it is not known,
-    ``overlap`` the number of frequencies per resolution 1/T of the record.
+    ``overlap`` the number of frequencies per resolution 1/T of the record. ``ends`` are the spectra
+    of unit impulses at the ends where the record may be in motion, ``others`` those of other
+    surfaces that move, and ``input_std`` the standard deviation of the noise of the measured input,
+    all over the spectrum of the input.
     """
 
     omega: Float[np.ndarray, " n_omega"]
     values: Complex[np.ndarray, " n_omega"]
     std: Float[np.ndarray, " n_omega"] | None
     overlap: float
-    warnings: tuple[str, ...]
+    ends: Complex[np.ndarray, "n_omega n_ends"]
+    others: Complex[np.ndarray, "n_omega n_others"] | None = None
+    input_std: Float[np.ndarray, " n_omega"] | None = None
+    warnings: tuple[str, ...] = ()
 
 
 def measure_single_response(
@@ -61,7 +77,7 @@ def measure_single_response(
     aircraft: Aircraft,
     name: str,
     output: OutputDefinition,
-    band_hz: tuple[float, float] | None,
+    band_hz: tuple[float, float],
 ) -> SingleResponse:
     """Measure the response of an output to a surface, or to its recorded command.
 
@@ -76,7 +92,7 @@ def measure_single_response(
     output
         Sensor or combination.
     band_hz
-        Limits of the frequencies; by default all that are excited.
+        Limits of the frequencies.
 
     Raises
     ------
@@ -99,8 +115,18 @@ def measure_single_response(
     overlap = spectra.resolution_overlap
     if name == surface:
         found = spectra.responses[surface]
-        std = None if found.std is None else found.std[:, 0, 0]
-        return SingleResponse(found.omega, found.values[:, 0, 0], std, overlap, ())
+        noise = _measure_noise(store, maneuver, aircraft, output, Role.INPUT, spectra.omega)
+        assert found.noise_gain is not None
+        std = None if noise is None else np.sqrt(np.abs(found.noise_gain) ** 2 @ noise**2)
+        deflection = spectra.excited.inputs.values[np.isin(spectra.omega, found.omega), 0]
+        return SingleResponse(
+            omega=found.omega,
+            values=found.values[:, 0, 0],
+            std=std,
+            overlap=overlap,
+            ends=_build_ends(spectra, found.omega, deflection),
+            input_std=_measure_input_noise(store, maneuver, aircraft, surface) / np.abs(deflection),
+        )
     if spectra.commands is None:
         raise BadInput(
             f"the command of {surface} was not recorded in this maneuver; select the surface",
@@ -108,10 +134,20 @@ def measure_single_response(
             input=name,
         )
     omega, command = spectra.omega[own], spectra.commands.values[own, 0]
-    outputs = spectra.true_outputs().values[own]
-    noise = estimate_noise_about_responses(omega, np.zeros(omega.size, dtype=int), outputs, command)
-    std = None if noise is None else noise[:, 0] / np.abs(command)
-    return SingleResponse(omega, outputs[:, 0] / command, std, overlap, ())
+    response = spectra.true_outputs().values[own, 0] / command
+    noise = _measure_noise(store, maneuver, aircraft, output, Role.COMMAND, omega)
+    std = None if noise is None else noise / np.abs(command)
+    ends = _build_ends(spectra, omega, command)
+    return SingleResponse(omega, response, std, overlap, ends)
+
+
+def _build_ends(
+    spectra: MeasuredSpectra,
+    omega: Float[np.ndarray, " n_omega"],
+    u: Complex[np.ndarray, " n_omega"],
+) -> Complex[np.ndarray, "n_omega n_ends"]:
+    """Build the spectra of unit impulses at the ends in motion, over that of the input."""
+    return np.exp(-1j * np.outer(omega, spectra.record_ends_s)) / u[:, None]
 
 
 def _measure_without_harmonics(
@@ -120,22 +156,21 @@ def _measure_without_harmonics(
     aircraft: Aircraft,
     name: str,
     output: OutputDefinition,
-    band_hz: tuple[float, float] | None,
+    band_hz: tuple[float, float],
 ) -> SingleResponse:
     """Divide the spectra of output and input where the input has power."""
     surface = name.removesuffix(COMMAND_SUFFIX)
-    if band_hz is None:
-        band_hz = find_excited_band(store, maneuver, aircraft, find_body(maneuver.axis))
     recorded = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
     own = {surface, *(part for part, _ in list_surface_parts(aircraft).get(surface, ()))}
     inputs = (surface, *(one for one in recorded if one != surface))
-    measurement = read_measurement(store, maneuver, aircraft, inputs, (output,), band_hz)
+    measurement = read_measurement(
+        store, maneuver, aircraft, inputs, (output,), band_hz, free_ends=True
+    )
     spectra = measurement.transform()
     travel = np.sqrt(np.mean(np.abs(spectra.inputs.values) ** 2, axis=0))
     u, z = spectra.inputs.values[:, :1], spectra.true_outputs().values
     if name != surface:
-        frequencies = select_frequencies(maneuver, band_hz)
-        u = read_spectra(store, maneuver, aircraft, (name,), frequencies).values
+        u = _transform_commands(store, measurement, aircraft, (name,))
     has_power = np.abs(u[:, 0]) > _QUIET * np.abs(u[:, 0]).max()
     if np.count_nonzero(has_power) < _LEAST_FREQUENCIES or travel[0] < _AT_REST * travel.max():
         raise BadInput(
@@ -150,18 +185,106 @@ def _measure_without_harmonics(
         if other not in own and rms > _STILL * travel[0]
     ]
     warnings = (_describe_other_motion(surface, moving),) if moving else ()
-    u, z = u[has_power], z[has_power]
-    scatter = estimate_scatter(u, z)
-    std = None if scatter is None else scatter[0] / np.abs(u[:, 0])
-    overlap = spectra.resolution_overlap
-    return SingleResponse(spectra.omega[has_power], (z / u)[:, 0], std, overlap, warnings)
+    u, z, omega = u[has_power, 0], z[has_power, 0], spectra.omega[has_power]
+    role = Role.INPUT if name == surface else Role.COMMAND
+    noise = _measure_noise(store, maneuver, aircraft, output, role, omega)
+    std = None if noise is None else noise / np.abs(u)
+    beside = np.isin(inputs, moving)
+    input_std = None
+    if name == surface:
+        input_std = _measure_input_noise(store, maneuver, aircraft, surface) / np.abs(u)
+    return SingleResponse(
+        omega=omega,
+        values=z / u,
+        std=std,
+        overlap=spectra.resolution_overlap,
+        ends=_build_ends(spectra, omega, u),
+        others=spectra.inputs.values[has_power][:, beside] / u[:, None],
+        input_std=input_std,
+        warnings=warnings,
+    )
+
+
+def _transform_commands(
+    store: Store, measurement: ManeuverMeasurement, aircraft: Aircraft, names: tuple[str, ...]
+) -> Complex[np.ndarray, "n_omega n_names"]:
+    """Transform commands over the window of a measurement."""
+    recording = measurement.recording
+    commands = read_recording(store, recording.maneuver, aircraft, names)
+    commands = replace(commands, window_s=recording.window_s)
+    return commands.spectra(names, measurement.frequencies).values
+
+
+def _measure_noise(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    output: OutputDefinition,
+    role: Role,
+    omega: Float[np.ndarray, " n_omega"],
+) -> Float[np.ndarray, " n_omega"] | None:
+    """Measure the standard deviation of the noise of an output's spectrum at frequencies.
+
+    It is the scatter of the output at all multiples of 1/T about its response to all surfaces, or
+    all commands, that move, within the band and as far above it as local fits need. None in too
+    short a record.
+    """
+    channels = store.channels.find(maneuver_id=maneuver.id)
+    inputs = tuple(c.name for c in channels if c.role is Role.INPUT)
+    causes = tuple(c.name for c in channels if c.role is role)
+    low_hz, high_hz = omega[0] / (2.0 * np.pi), omega[-1] / (2.0 * np.pi)
+    enough_hz = low_hz + count_frequencies(len(causes) + 1) / maneuver.duration_s
+    highest_hz = 0.5 * _RESOLVED * min(c.rate_hz for c in channels if c.role in _TRANSFORMED)
+    band_hz = low_hz, max(high_hz, min(enough_hz, highest_hz))
+    alone = replace(maneuver, excitation=None)
+    measurement = read_measurement(
+        store, alone, aircraft, inputs, (output,), band_hz, free_ends=True
+    )
+    spectra = measurement.transform()
+    u = spectra.inputs.values
+    if role is Role.COMMAND:
+        u = _transform_commands(store, measurement, aircraft, causes)
+    rms = np.sqrt(np.mean(np.abs(u) ** 2, axis=0))
+    impulses = np.exp(-1j * np.outer(spectra.omega, spectra.record_ends_s))
+    z = spectra.true_outputs().values
+    found = estimate_noise_in_motion(
+        spectra.omega, u[:, rms > _QUIET * rms.max()], z, impulses, omega
+    )
+    if found is None or spectra.window_s is None:
+        return None
+    window_s = spectra.window_s[1] - spectra.window_s[0]
+    return found[:, 0] * np.sqrt(maneuver.transformed_s / window_s)
+
+
+def _measure_input_noise(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, surface: str
+) -> float:
+    """Measure the standard deviation of white noise of a surface's spectrum.
+
+    It is the lowest level of a quarter of the spectrum up to nearly the Nyquist frequency, where
+    only noise is left: white noise is no larger. The median of an exponential variable is ln 2
+    times its mean.
+    """
+    channels = store.channels.find(maneuver_id=maneuver.id)
+    highest_hz = 0.5 * _RESOLVED * min(c.rate_hz for c in channels if c.role in _TRANSFORMED)
+    alone = replace(maneuver, excitation=None)
+    band_hz = 1.0 / maneuver.duration_s, highest_hz
+    spectra = read_measurement(
+        store, alone, aircraft, (surface,), (), band_hz, free_ends=True
+    ).transform()
+    bands = np.array_split(np.abs(spectra.inputs.values[:, 0]) ** 2, _BANDS)
+    lowest = min(np.median(power) for power in bands) / np.log(2.0)
+    assert spectra.window_s is not None
+    window_s = spectra.window_s[1] - spectra.window_s[0]
+    return float(np.sqrt(lowest * maneuver.transformed_s / window_s))
 
 
 def _describe_other_motion(surface: str, moving: Sequence[str]) -> str:
+    moves, them = ("moves", "it") if len(moving) == 1 else ("move", "them")
     return (
-        f"{', '.join(moving)} also {'moves' if len(moving) == 1 else 'move'} in this maneuver: "
-        "what the output responds to it is attributed to "
-        f"{surface}. Cut the part in which {surface} moves alone, or use known harmonics."
+        f"{', '.join(moving)} also {moves} in this maneuver: the response to {them} is estimated "
+        f"too, with the same poles and delay. A part in which {surface} moves alone, or known "
+        "harmonics, give smaller errors."
     )
 
 
@@ -170,6 +293,7 @@ def _describe_other_motion(surface: str, moving: Sequence[str]) -> str:
 CLOSE_MATCH = 10.0
 """Mismatch cost beyond noise below which pilots do not distinguish systems (MIL-STD-1797)."""
 
+_BELOW_MODE = 0.6  # of the frequency of a mode: its response is 1.6 times the static one
 _CURVE = 200  # points of the fitted response
 _USUAL_ORDERS = {
     (GYRO.kind, "x"): (0, 1, 0),  # roll mode
@@ -193,7 +317,7 @@ class TransferFunctionQuery:
     """Maneuver, input and output, and the orders; those usual for the output by default.
 
     ``input`` is a surface or its command (``wf4s_command``); the band is the excited one by
-    default. [Hz]
+    default, below the first mode of the aircraft that the orders do not describe. [Hz]
     """
 
     maneuver_id: Id
@@ -261,19 +385,23 @@ def estimate_transfer_function(
     maneuver = store.maneuvers.get(query.maneuver_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     (output,) = define_outputs(aircraft, (query.output,))
-    measured = measure_single_response(
-        store, maneuver, aircraft, query.input, output, query.band_hz
-    )
+    form = _select_form(query, output)
+    band_hz = query.band_hz or _find_default_band(store, maneuver, aircraft, output, form)
+    measured = measure_single_response(store, maneuver, aircraft, query.input, output, band_hz)
     fit = fit_transfer_function(
-        _select_form(query, output),
+        form,
         measured.omega,
         measured.values,
         measured.std,
         measured.overlap,
+        measured.ends,
+        measured.others,
+        measured.input_std,
     )
-    units = output.terms[0][0].model.units[0], "rad"
+    units = output.terms[0][0].model.units[0], _find_input_unit(store, maneuver, aircraft, query)
     grid = np.geomspace(measured.omega[0], measured.omega[-1], _CURVE)
-    shown = _build_response(query, units, measured.omega, measured.values, measured.std)
+    values = measured.values - fit.leakage
+    shown = _build_response(query, units, measured.omega, values, measured.std)
     curve = replace(
         _build_response(query, units, grid, fit.response(grid)),
         label="transfer function",
@@ -282,22 +410,88 @@ def estimate_transfer_function(
     anchor = np.interp(measured.omega[0], grid, curve.phase_rad) - shown.phase_rad[0]
     curve.phase_rad[:] -= 2.0 * np.pi * np.round(anchor / (2.0 * np.pi))
     return TransferFunctionResult(
-        function=_describe_fit(query, measured, fit), measured=shown, modelled=curve
+        function=_describe_fit(query, units, measured, fit), measured=shown, modelled=curve
     )
 
 
-def _select_form(query: TransferFunctionQuery, output: OutputDefinition) -> TransferFunctionForm:
+def _find_default_band(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    output: OutputDefinition,
+    form: TransferFunctionForm,
+) -> tuple[float, float]:
+    """Find the excited band below the first mode that a form does not describe. [Hz]
+
+    Two poles beyond the usual ones describe a mode. The band of the usual ones ends where a mode
+    adds about half of its static response; other bands end between the frequencies of the last
+    mode that is described and the first that is not.
+    """
+    body = find_body(maneuver.axis)
+    if maneuver.excitation is None:
+        low_hz, high_hz = find_excited_band(store, maneuver, aircraft, body)
+    else:
+        hz = select_frequencies(maneuver).omega / (2.0 * np.pi)
+        low_hz, high_hz = float(hz[0]), float(hz[-1])
+    table, _ = load_modes_of_model(store, maneuver.aircraft_id, None, None, ())
+    shapes = table.table.at(maneuver.condition.fuel_fraction)
+    modes_hz = sorted(
+        float(omega) / (2.0 * np.pi)
+        for omega, number in zip(shapes.omega, shapes.numbers, strict=True)
+        if table.belongs_to(number, body)
+    )
+    described = max(0, (form.poles - _get_usual_orders(output)[1]) // 2)
+    if described >= len(modes_hz):
+        return low_hz, high_hz
+    limit_hz = _BELOW_MODE * modes_hz[described]
+    if described > 0:
+        limit_hz = max(limit_hz, np.sqrt(modes_hz[described - 1] * modes_hz[described]))
+    return low_hz, min(high_hz, limit_hz)
+
+
+def _get_usual_orders(output: OutputDefinition) -> tuple[int, int, int]:
     sensor = output.terms[0][0]
-    usual = _USUAL_ORDERS.get((sensor.kind, sensor.axis), _OTHER_ORDERS)
+    return _USUAL_ORDERS.get((sensor.kind, sensor.axis), _OTHER_ORDERS)
+
+
+def _select_form(query: TransferFunctionQuery, output: OutputDefinition) -> TransferFunctionForm:
+    usual = _get_usual_orders(output)
     given = (query.zeros, query.poles, query.integrators)
     orders = (u if g is None else g for u, g in zip(usual, given, strict=True))
     return TransferFunctionForm(*orders, has_delay=query.delay)
 
 
+def _find_input_unit(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, query: TransferFunctionQuery
+) -> str:
+    """Return the SI unit of a recorded input, or of the surfaces it is computed from."""
+    surface = query.input.removesuffix(COMMAND_SUFFIX)
+    names = (
+        query.input,
+        surface,
+        *(part for part, _ in list_surface_parts(aircraft).get(surface, ())),
+    )
+    units = {c.name: c.unit for c in store.channels.find(maneuver_id=maneuver.id)}
+    return next(si_unit(units[name]) for name in names if name in units)
+
+
+def _compose_gain_unit(units: tuple[str, str], form: TransferFunctionForm) -> str:
+    """Compose the unit of K in K (s^m + ...) / (s^i (s^n + ...)) of output and input units."""
+    output, input_ = (f"({unit})" if "/" in unit else unit for unit in units)
+    excess = form.n_states - form.zeros
+    if excess == 0:
+        return f"{output}/{input_}"
+    return f"{output}/({input_} s{excess if excess > 1 else ''})"
+
+
 def _describe_fit(
-    query: TransferFunctionQuery, measured: SingleResponse, fit: TransferFunctionFit
+    query: TransferFunctionQuery,
+    units: tuple[str, str],
+    measured: SingleResponse,
+    fit: TransferFunctionFit,
 ) -> TransferFunction:
     hz = measured.omega / (2.0 * np.pi)
+    band_hz = float(hz[0]), float(hz[-1])
     return TransferFunction(
         maneuver_id=query.maneuver_id,
         input=query.input,
@@ -306,10 +500,11 @@ def _describe_fit(
         n_poles=fit.form.poles,
         integrators=fit.form.integrators,
         has_delay=fit.form.has_delay,
-        band_hz=(float(hz[0]), float(hz[-1])),
+        band_hz=band_hz,
         n_frequencies=hz.size,
         gain=fit.gain,
         gain_std=fit.gain_std,
+        gain_unit=_compose_gain_unit(units, fit.form),
         delay_s=fit.delay,
         delay_std_s=fit.delay_std,
         numerator=tuple(fit.numerator.tolist()),
@@ -320,17 +515,20 @@ def _describe_fit(
         mismatch_cost=fit.cost,
         cost_beyond_noise=fit.cost_beyond_noise,
         is_close=_is_close(fit),
-        sentence=_summarise(query, fit),
+        sentence=_summarise(query, band_hz, fit),
         warnings=measured.warnings,
     )
 
 
-def _summarise(query: TransferFunctionQuery, fit: TransferFunctionFit) -> str:
+def _summarise(
+    query: TransferFunctionQuery, band_hz: tuple[float, float], fit: TransferFunctionFit
+) -> str:
     match = (
         "a close match" if _is_close(fit) else "no close match: narrow the band or raise the orders"
     )
     return (
-        f"{query.output} over {query.input}: mismatch cost {fit.cost:.3g}, "
+        f"{query.output} over {query.input}, {band_hz[0]:.3g} to {band_hz[1]:.3g} Hz: "
+        f"mismatch cost {fit.cost:.3g}, "
         f"{fit.cost_beyond_noise:.3g} beyond noise (below {CLOSE_MATCH:g} is close): {match}."
     )
 

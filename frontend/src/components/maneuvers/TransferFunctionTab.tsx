@@ -115,8 +115,8 @@ export function TransferFunctionTab({ maneuver, view, onChange }: ManeuverTabPro
           onClear={() => {
             shared.onWindow(null);
           }}
-          hint="All excited frequencies. Drag over the figure to select a band; spectra and responses share it."
-          whole="All excited frequencies"
+          hint="Excited frequencies below the first mode that these orders do not describe. Drag over the figure to select a band; spectra and responses share it."
+          whole="Default band"
         />
         <ComputedResult options={transferFunctionResult(params)}>
           {(found) => <Fit found={found} params={params} shared={shared} />}
@@ -173,7 +173,7 @@ function list(found: TransferFunction): Quantity[] {
     std: found.delay_std_s,
   };
   return [
-    { name: "Gain, in SI units", unit: "", value: found.gain, std: found.gain_std },
+    { name: "Gain", unit: found.gain_unit, value: found.gain, std: found.gain_std },
     ...(found.has_delay ? [delay] : []),
     ...found.zeros.flatMap((root, k) => quantities("Zero", k + 1, root)),
     ...found.poles.flatMap((root, k) => quantities("Pole", k + 1, root)),
