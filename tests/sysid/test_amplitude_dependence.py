@@ -14,13 +14,13 @@ from flexsid.sysid.adequacy.amplitude_dependence import LevelData, fit_levels
 from flexsid.sysid.adequacy.equal_levels import (
     LevelEstimates,
     Pattern,
-    adjust_by_holm,
     average_repeats,
     classify_frequency,
     compare_levels,
     estimate_change,
     estimate_effectiveness,
 )
+from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.estimation.experiment import Experiment, select_parameters
 
 AMPLITUDES = np.array([1.0, 2.0, 4.0])

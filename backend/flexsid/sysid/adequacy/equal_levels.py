@@ -150,23 +150,6 @@ def _find_floor(estimates: LevelEstimates, contrasts: np.ndarray) -> np.ndarray:
     return _LEAST_VARIANCE * (np.abs(contrasts) @ variances).ravel()
 
 
-def adjust_by_holm(p: Sequence[float]) -> list[float]:
-    """Adjust p-values of several tests, so that one below 5 % is as improbable as of one test.
-
-    Notes
-    -----
-    The p-values in ascending order are multiplied by the number of tests not yet rejected.
-    Source: Holm (1979), A simple sequentially rejective multiple test procedure, Scandinavian
-    Journal of Statistics 6, 65-70, https://www.jstor.org/stable/4615733.
-    """
-    order = np.argsort(p, kind="stable")
-    factors = np.arange(len(order), 0, -1)
-    ordered = np.minimum(np.maximum.accumulate(np.asarray(p)[order] * factors), 1.0)
-    adjusted = np.empty(len(order))
-    adjusted[order] = ordered
-    return adjusted.tolist()
-
-
 @dataclass(frozen=True, slots=True)
 class LevelChange:
     """Change of a quantity from the smaller levels to the largest one, with its standard error.

@@ -20,6 +20,7 @@ from jaxtyping import Complex, Float
 from scipy import linalg, sparse, special
 
 from flexsid.sysid.adequacy.sensor_influence import SensorInfluence, compute_sensor_influences
+from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import (
     FinalSpectra,
@@ -795,10 +796,6 @@ def _adjust_by_holm(tests: Sequence[ModelTest], share: float) -> tuple[ModelTest
     on each other.
     """
     ordered = sorted(tests, key=lambda test: test.p)
-    shares = [1.0 if one.hypothesis is Hypothesis.RESIDUAL_POWER else share for one in ordered]
-    counts = np.cumsum(shares[::-1])[::-1]
-    adjusted, last = [], 0.0
-    for test, count in zip(ordered, counts.tolist(), strict=True):
-        last = max(last, min(1.0, max(1.0, count) * test.p))
-        adjusted.append(replace(test, adjusted_p=last))
-    return tuple(adjusted)
+    counts = [1.0 if one.hypothesis is Hypothesis.RESIDUAL_POWER else share for one in ordered]
+    adjusted = adjust_by_holm([one.p for one in ordered], counts)
+    return tuple(replace(test, adjusted_p=p) for test, p in zip(ordered, adjusted, strict=True))

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from jaxtyping import Complex, Float
 
+from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.estimation.estimate import whiteness
 from flexsid.sysid.grey_box.fit import GreyBoxData, GreyBoxEstimate
 from flexsid.sysid.stability.poles import compute_polar_slopes
@@ -80,11 +81,8 @@ def run_residual_tests(
             factors = one.get_factors()[:, [column]]
             found += _test_responses(name, hz, factors * one.inputs, nu)
     ordered = sorted(found, key=lambda test: test.p)
-    adjusted, last = [], 0.0
-    for rank, test in enumerate(ordered):
-        last = max(last, min(1.0, (len(ordered) - rank) * test.p))
-        adjusted.append(replace(test, adjusted_p=last))
-    return tuple(adjusted)
+    adjusted = adjust_by_holm([test.p for test in ordered])
+    return tuple(replace(test, adjusted_p=p) for test, p in zip(ordered, adjusted, strict=True))
 
 
 def _test_responses(

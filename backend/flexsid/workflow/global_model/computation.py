@@ -23,6 +23,7 @@ from flexsid.records.global_model import (
     RunLabel,
 )
 from flexsid.records.run import Progress, ReportProgress
+from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.global_model.fit import RunEstimates
 from flexsid.sysid.global_model.selection import (
     OutlyingRun,
@@ -172,7 +173,8 @@ def _describe_derivatives(
     variables = [one.quantity for one in result.summary.variables]
     slopes = [model.average_slopes(runs.conditions, k) for k in range(len(variables))]
     ratios = np.array([np.abs(slope) / np.where(s > 0.0, s, np.inf) for slope, s in slopes])
-    adjusted = _adjust(special.erfc(ratios / np.sqrt(2.0)))
+    p = special.erfc(ratios / np.sqrt(2.0))
+    adjusted = np.reshape(adjust_by_holm(p.ravel().tolist()), p.shape)
     counts = runs.is_estimated.sum(axis=0)
     return tuple(
         GlobalDerivative(
@@ -197,21 +199,6 @@ def _describe_derivatives(
         )
         for k, name in enumerate(model.names)
     )
-
-
-def _adjust(probabilities: np.ndarray) -> np.ndarray:
-    """Adjust probabilities for their number.
-
-    Notes
-    -----
-    Source: S. Holm, Scand. J. Statist. 6, 65 (1979).
-    """
-    flat = probabilities.ravel()
-    order = np.argsort(flat)
-    factors = np.arange(flat.size, 0, -1)
-    adjusted = np.empty_like(flat)
-    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(factors * flat[order]))
-    return adjusted.reshape(probabilities.shape)
 
 
 def build_grid(lowest: np.ndarray, highest: np.ndarray) -> np.ndarray:

@@ -26,7 +26,6 @@ from flexsid.sysid.adequacy.equal_levels import (
     EqualityTest,
     LevelEstimates,
     Pattern,
-    adjust_by_holm,
     average_repeats,
     classify_frequency,
     compare_levels,
@@ -34,6 +33,7 @@ from flexsid.sysid.adequacy.equal_levels import (
     estimate_effectiveness,
     find_levels,
 )
+from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
