@@ -21,6 +21,7 @@ from flexsid.records.validation import AmplitudeSubject
 from flexsid.storage.store import Store
 from flexsid.workflow.validation.amplitude_comparison import (
     AmplitudeComparisonQuery,
+    find_odd_inputs,
     identify_amplitude_comparison,
 )
 
@@ -88,3 +89,13 @@ def test_runs_that_cannot_be_compared_are_refused(
     with pytest.raises(BadInput) as refused:
         identify_amplitude_comparison(store, AmplitudeComparisonQuery(run_ids=run_ids))
     assert refused.value.code == code
+
+
+def test_a_maneuver_with_a_stuck_surface_is_no_level_of_the_multisine():
+    sound = {"wf1s": 0.01, "wf2s": 0.02, "wf3s": 0.01}
+    larger = {name: 2.1 * value for name, value in sound.items()}
+    assert find_odd_inputs([sound, larger]) == {}
+    assert find_odd_inputs([sound, {**larger, "wf2s": 1e-4}, larger]) == {
+        1: ("wf2s", pytest.approx(0.0, abs=0.01))
+    }
+    assert set(find_odd_inputs([sound, {**larger, "wf2s": 1e-4}])) == {0, 1}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +51,8 @@ from flexsid.workflow.validation.cross_validation import prepare_refit
 _MOST_RUNS = 20
 LEAST_RATIO = 1.2
 """Ratio of the largest amplitude to the smallest; less is no other level."""
+_OUT_OF_PROPORTION = 0.2  # motion of an input, relative: more is no level of the same multisine
+_LEAST_RAD = 1e-12  # of an input that does not move
 _FITTED = 0.8  # share of the work before the fits with common weights
 
 
@@ -152,9 +154,21 @@ def _read_runs(store: Store, query: AmplitudeComparisonQuery) -> list[_Flown]:
             "two of these runs are of one maneuver; amplitudes are compared by one run of each",
             code="same-maneuver",
         )
+    by_input = [measure_amplitudes(store, maneuver) for maneuver in maneuvers]
+    odd = find_odd_inputs(by_input)
+    if odd:
+        index, (name, ratio) = next(iter(odd.items()))
+        raise BadInput(
+            f"{name} moves in {maneuvers[index].label} by {ratio:.0%} of its motion in the others, "
+            "in proportion to the other inputs; levels of one multisine differ in its amplitude "
+            "alone: leave this run out",
+            code="different-inputs",
+            maneuver_id=maneuvers[index].id,
+            input=name,
+        )
     flown = [
-        _Flown(run, maneuver, measure_amplitude(store, maneuver))
-        for run, maneuver in zip(runs, maneuvers, strict=True)
+        _Flown(run, maneuver, combine_amplitudes(own))
+        for run, maneuver, own in zip(runs, maneuvers, by_input, strict=True)
     ]
     flown.sort(key=lambda one: one.amplitude)
     if flown[-1].amplitude < LEAST_RATIO * flown[0].amplitude:
@@ -212,8 +226,8 @@ def _check_condition(maneuver: Maneuver, first: Maneuver) -> None:
         )
 
 
-def measure_amplitude(store: Store, maneuver: Maneuver) -> float:
-    """Measure the rms deflection of all excited inputs together, at the harmonics. [rad]
+def measure_amplitudes(store: Store, maneuver: Maneuver) -> dict[str, float]:
+    """Measure the rms deflection of every excited input at the harmonics. [rad]
 
     Raises
     ------
@@ -231,7 +245,36 @@ def measure_amplitude(store: Store, maneuver: Maneuver) -> float:
     names = tuple(excitation.harmonics)
     found = read_spectra(store, maneuver, aircraft, names, select_frequencies(maneuver))
     duration_s = excitation.period_s * max(excitation.n_periods - 1, 1)
-    return float(np.sqrt(2.0 * np.sum(np.abs(found.values) ** 2)) / duration_s)
+    rms = np.sqrt(2.0 * np.sum(np.abs(found.values) ** 2, axis=0)) / duration_s
+    return dict(zip(found.names, rms.tolist(), strict=True))
+
+
+def combine_amplitudes(by_input: Mapping[str, float]) -> float:
+    """Return the rms deflection of all inputs together. [rad]"""
+    return float(np.linalg.norm(list(by_input.values())))
+
+
+def find_odd_inputs(amplitudes: Sequence[Mapping[str, float]]) -> dict[int, tuple[str, float]]:
+    """Find maneuvers in which an input does not move in proportion to the others.
+
+    As where a surface is stuck or limited. Motion is relative to the median of the inputs of a
+    maneuver, and the usual one of an input is the median of the maneuvers.
+
+    Returns
+    -------
+    dict
+        Input that differs most and its motion over the usual one, by index of the maneuver.
+    """
+    names = list(amplitudes[0])
+    values = np.array([[one.get(name, 0.0) for name in names] for one in amplitudes])
+    relative = values / np.maximum(np.median(values, axis=1, keepdims=True), _LEAST_RAD)
+    ratio = relative / np.maximum(np.median(relative, axis=0), _LEAST_RAD)
+    worst = np.argmax(np.abs(ratio - 1.0), axis=1)
+    return {
+        index: (names[k], float(ratio[index, k]))
+        for index, k in enumerate(worst.tolist())
+        if abs(ratio[index, k] - 1.0) > _OUT_OF_PROPORTION
+    }
 
 
 def _prepare_level(

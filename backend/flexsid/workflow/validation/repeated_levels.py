@@ -15,8 +15,10 @@ from flexsid.sysid.adequacy.equal_levels import find_levels
 from flexsid.workflow.review.condition_sheet import list_conditions
 from flexsid.workflow.validation.amplitude_comparison import (
     LEAST_RATIO,
+    combine_amplitudes,
+    find_odd_inputs,
     get_compared_structure,
-    measure_amplitude,
+    measure_amplitudes,
 )
 
 
@@ -32,9 +34,14 @@ def list_repeated_levels(store: Store, aircraft_id: int) -> list[RepeatedLevels]
     found = []
     for condition in list_conditions(store, aircraft_id):
         maneuvers = [store.maneuvers.get(record.maneuver_id) for record in condition.records]
-        for group in _group_by_multisine(maneuvers):
-            amplitudes = np.array([measure_amplitude(store, one) for one in group])
-            if amplitudes.max() < LEAST_RATIO * amplitudes.min():
+        for repeated in _group_by_multisine(maneuvers):
+            by_input = [measure_amplitudes(store, one) for one in repeated]
+            odd = find_odd_inputs(by_input)
+            group = [one for k, one in enumerate(repeated) if k not in odd]
+            amplitudes = np.array(
+                [combine_amplitudes(own) for k, own in enumerate(by_input) if k not in odd]
+            )
+            if amplitudes.size < 2 or amplitudes.max() < LEAST_RATIO * amplitudes.min():
                 continue
             runs = _select_runs(store, group)
             found.append(

@@ -1,4 +1,4 @@
-import { Alert, Stack } from "@mantine/core";
+import { Alert, List, Stack, Text } from "@mantine/core";
 import { amplitudeResult } from "../../api/queries";
 import type { AmplitudeComparison } from "../../api/types";
 import { fixed, significant, withError } from "../../lib/text/format";
@@ -35,6 +35,7 @@ export function CompareAmplitudes({ view }: CompareTabProps) {
 }
 
 function Tests({ data }: { data: AmplitudeComparison }) {
+  const rejecting = data.tests.filter((one) => one.rejects);
   return (
     <Stack gap="sm">
       <Alert
@@ -43,7 +44,18 @@ function Tests({ data }: { data: AmplitudeComparison }) {
         role="status"
         data-testid="amplitude-comparison"
       >
-        {data.sentence}
+        <Text size="sm">{data.sentence}</Text>
+        {rejecting.length > 0 && (
+          <List size="sm" mt="xs">
+            {rejecting.map((one) => (
+              <List.Item key={`${one.subject} ${one.name}`}>
+                {one.subject === "derivative" ? <DerivativeName name={one.name} /> : one.name}
+                {": "}
+                <Sentence text={one.meaning} />
+              </List.Item>
+            ))}
+          </List>
+        )}
       </Alert>
       <DataTable
         label="Values over amplitude"
@@ -92,15 +104,10 @@ const columnsOf = (data: AmplitudeComparison): Column<Row>[] => [
     <span title="At the largest amplitude, from the mean of the smaller ones">Change</span>,
     (row) => interval(row.quantity.change, row.quantity.change_std_error),
   ),
-  numeric("chi", "χ²", (row) => (row.isFirst ? fixed(row.chi_square, 1) : "")),
-  numeric("freedom", "Degrees of freedom", (row) => (row.isFirst ? row.degrees_of_freedom : "")),
+  numeric("chi", <span title="With its degrees of freedom">χ²</span>, (row) =>
+    row.isFirst ? `${fixed(row.chi_square, 1)} (${String(row.degrees_of_freedom)})` : "",
+  ),
   numeric("p", <span title="In view of the number of tests (Holm)">p</span>, (row) =>
     row.isFirst ? significant(row.adjusted_p, 2) : "",
   ),
-  {
-    key: "meaning",
-    header: "Meaning",
-    wraps: true,
-    render: (row) => (row.isFirst && row.rejects ? <Sentence text={row.meaning} /> : ""),
-  },
 ];
