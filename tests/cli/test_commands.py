@@ -14,12 +14,14 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import sqlalchemy as sa
 from irig106_recorder import PACKETS, write
 from ports import find_free_port
-from scipy.io import loadmat
+from scipy.io import loadmat, netcdf_file
 from waiting import PATIENCE_S, wait_until
 
 from flexsid.api.request_examples import AIRCRAFT_DEFINITION
@@ -315,6 +317,29 @@ def test_what_an_import_does_not_read_is_printed(database_url: str, capsys, tmp_
     mapping.write_text(text.replace("number = 7", "number = 9"))
     assert main([*command, "--each", "--json"]) == 0
     assert "SUB: a subframe" in json.loads(capsys.readouterr().out)["not_read"]
+
+
+def test_samples_are_exported_for_other_programs(flown_url: str, capsys, tmp_path: Path) -> None:
+    command = ["samples", "1", "--database", flown_url, "--output"]
+    for name in ("all.nc", "all.mat", "all.json"):
+        assert main([*command, str(tmp_path / name)]) == 0
+    channels = {one["name"]: one for one in json.loads((tmp_path / "all.json").read_text())}
+    q = np.array(channels["q"]["values"])
+    simulink = loadmat(tmp_path / "all.mat", simplify_cells=True)["q"]
+    assert (simulink["unit"], simulink["signals"]["dimensions"]) == ("rad/s", 1)
+    np.testing.assert_array_equal(simulink["signals"]["values"], q)
+    variables: dict[str, Any] = netcdf_file(tmp_path / "all.nc", mmap=False).variables
+    assert (variables["q"].units, variables["q"].dimensions) == (b"rad/s", ("time_s",))
+    np.testing.assert_array_equal(variables["q"][:], q)
+    np.testing.assert_array_equal(variables["time_s"][:], channels["q"]["time_s"])
+    some = tmp_path / "some.csv"
+    assert main([*command, str(some), "--channels", "q,wf4s"]) == 0
+    head, first, *_ = some.read_text().splitlines()
+    assert head == "time_s,q [rad/s],wf4s [rad]"
+    assert float(first.split(",")[1]) == q[0]
+    capsys.readouterr()
+    assert ".nc" in refused(capsys, 2, *command, "a.xls")
+    assert "no channel 'flux'" in refused(capsys, 2, *command, str(some), "--channels", "flux")
 
 
 def test_errors_are_reported_on_one_line(flown_url: str, capsys) -> None:

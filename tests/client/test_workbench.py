@@ -393,6 +393,9 @@ def test_samples_are_those_that_runs_use(workbench: Workbench) -> None:
     rows = workbench.get_bytes("maneuvers/1/samples", channels="q,wf4s", format="csv").splitlines()
     assert rows[0] == b"time_s,q [rad/s],wf4s [rad]"
     assert len(rows) == recorded.size + 1
+    for form, magic in (("nc", b"CDF"), ("mat", b"MATLAB 5.0")):
+        file = workbench.get_bytes("maneuvers/1/samples", channels="q", format=form)
+        assert file.startswith(magic)
     with pytest.raises(RequestRefused, match="no channel 'flux'; it has"):
         workbench.samples(1, ["flux"])
     with pytest.raises(RequestRefused, match="both start_s and stop_s"):

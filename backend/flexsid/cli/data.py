@@ -62,6 +62,8 @@ from flexsid.workflow.runs.exports import (
     write_jsbsim_aircraft,
     write_matlab_model,
 )
+from flexsid.workflow.views.maneuver import read_samples
+from flexsid.workflow.views.sample_files import SampleForm, write_samples
 
 # --- Import of files and export of results from the command line ----------------------------------
 
@@ -154,6 +156,27 @@ def export(settings: Settings, arguments: argparse.Namespace) -> int:
     write_file(output, content)
     result = {"run": run_id, "file": output}
     print_written_file(f"wrote run {run_id} to {output}", result, as_json=arguments.json)
+    return 0
+
+
+def export_samples(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Write samples of a maneuver to a file, as runs use them."""
+    maneuver_id, output = arguments.maneuver, arguments.output
+    ending = Path(output).suffix
+    forms = {f".{form}": form for form in SampleForm}
+    if ending not in forms:
+        raise BadInput(f"{output} ends in {ending!r}; expected one of {', '.join(forms)}")
+    with open_store(settings) as store:
+        maneuver = store.maneuvers.get(maneuver_id)
+        names = [one.name for one in store.channels.find(maneuver_id=maneuver_id)]
+        if arguments.channels is not None:
+            names = list(parse_list(arguments.channels, str, "--channels"))
+        traces = read_samples(store, maneuver_id, names)
+        content = write_samples(traces, forms[ending], maneuver.label)
+    write_file(output, content)
+    result = {"maneuver": maneuver_id, "file": output, "channels": [one.name for one in traces]}
+    text = f"wrote {len(traces)} channels of maneuver {maneuver_id} to {output}"
+    print_written_file(text, result, as_json=arguments.json)
     return 0
 
 

@@ -208,6 +208,13 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     meaning = "run of the other axis in an aircraft for JSBSim"
     export.add_argument("--other-run", type=int, metavar="RUN", help=meaning)
 
+    samples = add("samples", "data:export_samples", "export the samples of a maneuver, in SI units")
+    samples.add_argument("maneuver", type=int, metavar="MANEUVER", help="id of the maneuver")
+    meaning = "names of channels or combinations; default: all recorded channels"
+    samples.add_argument("--channels", metavar="A,B", help=meaning)
+    meaning = ".csv; .json; .mat: structures for Simulink; .nc: NetCDF for xarray"
+    samples.add_argument("--output", required=True, metavar="FILE", help=meaning)
+
     summary = "print identified derivatives and open warnings of a campaign"
     campaign = add("dashboard", "reports:dashboard", summary)
     meaning = "id of the aircraft; default: 1"

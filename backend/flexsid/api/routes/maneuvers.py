@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Literal
+from typing import Annotated, Any
 
 from fastapi import Depends, File, Form, Query, Response, UploadFile
 
@@ -16,7 +16,7 @@ from flexsid.api.models.responses import (
     ManeuverDetail,
     extend_record,
 )
-from flexsid.api.responses import CSV_FILE, add_analysis, make_file_response
+from flexsid.api.responses import add_analysis, make_file_response
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -45,8 +45,8 @@ from flexsid.workflow.runs.run_proposal import propose_run
 from flexsid.workflow.views.maneuver import (
     read_samples,
     select_default_channels,
-    write_samples,
 )
+from flexsid.workflow.views.sample_files import MEDIA_TYPES, SampleForm, write_samples
 
 # --- Maneuvers: filtered list, details, and import from files -------------------------------------
 
@@ -117,8 +117,19 @@ def get_run_proposal(
     return propose_run(store, (maneuver_id, *further), band, axis)
 
 
+_SAMPLE_FILES: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {
+            media.partition(";")[0]: {"schema": {"type": "string", "format": "binary"}}
+            for form, media in MEDIA_TYPES.items()
+            if form is not SampleForm.JSON
+        }
+    }
+}
+
+
 @maneuvers_router.get(
-    "/{maneuver_id}/samples", response_model=list[ChannelSamples], responses=CSV_FILE
+    "/{maneuver_id}/samples", response_model=list[ChannelSamples], responses=_SAMPLE_FILES
 )
 def get_samples(
     store: TheStore,
@@ -127,18 +138,22 @@ def get_samples(
     start_s: Time = None,
     stop_s: Time = None,
     form: Annotated[
-        Literal["json", "csv"],
-        Query(alias="format", description="JSON, or CSV of channels with the same times."),
-    ] = "json",
+        SampleForm,
+        Query(
+            alias="format",
+            description="JSON, CSV of channels with the same times, MAT for Simulink, or NetCDF.",
+        ),
+    ] = SampleForm.JSON,
 ) -> Response:
     """Return samples as runs use them: in SI units, with the corrections of the maneuver."""
     if (start_s is None) != (stop_s is None):
         raise BadInput("give both start_s and stop_s, or neither", code="bad-interval")
     interval = None if start_s is None or stop_s is None else (start_s, stop_s)
     traces = read_samples(store, maneuver_id, split_names(channels) or (), interval)
-    if form == "csv":
-        return make_file_response(write_samples(traces).encode(), "text/csv; charset=utf-8")
-    return Json(traces)
+    if form is SampleForm.JSON:
+        return Json(traces)
+    title = store.maneuvers.get(maneuver_id).label
+    return make_file_response(write_samples(traces, form, title), MEDIA_TYPES[form])
 
 
 # The figure of the reconstruction has its result.

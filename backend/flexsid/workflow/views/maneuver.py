@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Unpack
@@ -175,31 +173,6 @@ def read_samples(
             code="too-many-samples",
         )
     return read_traces(store, maneuver, tuple(parts), interval_s)
-
-
-def write_samples(traces: Sequence[ChannelTrace]) -> str:
-    """Write samples as CSV: a column of time and one for each channel.
-
-    Raises
-    ------
-    BadInput
-        If the channels have different times.
-    """
-    first = traces[0]
-    for one in traces:
-        if not np.array_equal(one.time_s, first.time_s):
-            raise BadInput(
-                f"{first.name} and {one.name} were not sampled at the same times, and a table has "
-                "one column of time; request them separately, or as JSON",
-                code="unequal-channels",
-                channel=one.name,
-            )
-    head = ["time_s", *(f"{one.name} [{one.unit}]" if one.unit else one.name for one in traces)]
-    out = io.StringIO()
-    rows = csv.writer(out, lineterminator="\n")
-    rows.writerow(head)
-    rows.writerows(np.column_stack([first.time_s, *(one.values for one in traces)]).tolist())
-    return out.getvalue()
 
 
 def find_sampling(
