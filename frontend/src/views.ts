@@ -358,6 +358,8 @@ export const compareView = view((search) => ({
   maneuver: integer(search.maneuver),
   /** Source that the others are held against. */
   baseline: text(search.baseline),
+  /** Whether the runs are of several amplitudes, whose models are compared. */
+  amplitudes: flag(search.amplitudes),
   /** Derivative of the forest plot and of the trend. */
   derivative: text(search.derivative),
   against: oneOf(search.against, AGAINST),

@@ -1,4 +1,4 @@
-import { Alert, List, Stack, Text } from "@mantine/core";
+import { Alert, Button, List, Stack, Text } from "@mantine/core";
 import { amplitudeResult } from "../../api/queries";
 import type { AmplitudeComparison } from "../../api/types";
 import { fixed, significant, withError } from "../../lib/text/format";
@@ -14,21 +14,31 @@ type Test = AmplitudeComparison["tests"][number];
 type Row = Test & { quantity: Test["quantities"][number]; isFirst: boolean };
 
 /** Whether one linear model holds at the amplitudes of the runs, by derivative, mode and input. */
-export function CompareAmplitudes({ view }: CompareTabProps) {
+export function CompareAmplitudes({ view, onChange }: CompareTabProps) {
   const runs = view.runs ?? [];
   return (
     <Section
       title="Amplitude dependence"
       note="Fits of all levels with the same weights, by which a linear aircraft has the same values at every amplitude; ±2σ due to noise, p in view of the number of tests"
     >
-      {runs.length < 2 ? (
-        <Empty title="One run">
-          Select output-error runs of maneuvers with one multisine at several amplitudes.
-        </Empty>
-      ) : (
+      {view.amplitudes === true && runs.length > 1 ? (
         <ComputedResult options={amplitudeResult(runs)}>
           {(data) => <Tests data={data} />}
         </ComputedResult>
+      ) : (
+        <Empty title="Not compared">
+          Select output-error runs of maneuvers with one multisine at several amplitudes.
+          <Button
+            variant="default"
+            size="compact-sm"
+            disabled={runs.length < 2}
+            onClick={() => {
+              onChange({ amplitudes: true });
+            }}
+          >
+            Compare amplitudes
+          </Button>
+        </Empty>
       )}
     </Section>
   );

@@ -63,7 +63,12 @@ function Verdict({ levels }: { levels: RepeatedLevels }) {
     return <>Needs output-error runs of two levels with one model structure</>;
   }
   return (
-    <Link to="/compare" search={{ tab: "trends", runs }} hash="amplitudes" className="link">
+    <Link
+      to="/compare"
+      search={{ tab: "trends", runs, amplitudes: true }}
+      hash="amplitudes"
+      className="link"
+    >
       {levels.comparison === null ? "Compare amplitudes" : levels.comparison.sentence}
     </Link>
   );
