@@ -277,7 +277,8 @@ def _differ(first: np.ndarray, other: np.ndarray) -> bool:
 def find_clock_unit(column: Column) -> tuple[str, bool]:
     """Return the unit of a column of time, and whether the file or its name states it.
 
-    Else it is the coarsest unit in which the stamps are of this century, or of a usual rate.
+    Else it is the unit in which the stamps are of this century; for whole stamps more than one
+    apart, the coarsest in which their rate is a usual one; and s.
     """
     stated = find_time_unit(column.field, column.unit)
     if stated is not None:
@@ -287,8 +288,10 @@ def find_clock_unit(column: Column) -> tuple[str, bool]:
         return "s", False
     step = float(np.median(np.diff(stamps)))
     since_1970 = (u for u, s in SECONDS.items() if _EPOCH_S[0] <= stamps[0] * s <= _EPOCH_S[1])
-    usual = (unit for unit, seconds in SECONDS.items() if step * seconds <= _SLOW_S)
-    return next(since_1970, next(usual, "s")), False
+    usual = "s"
+    if step > 1.0 and bool((stamps == np.round(stamps)).all()):
+        usual = next((unit for unit, seconds in SECONDS.items() if step * seconds <= _SLOW_S), "s")
+    return next(since_1970, usual), False
 
 
 def _columns(source: SourceFile) -> list[Column]:
