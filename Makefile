@@ -18,7 +18,6 @@ export UV_LINK_MODE := copy
 # The tests start hundreds of processes; without compiled modules each compiles its libraries
 # again. An empty value also overrides an environment that forbids to write them.
 export PYTHONDONTWRITEBYTECODE :=
-export PYTHONPYCACHEPREFIX := $(CURDIR)/.cache/bytecode
 announce = @printf '\033[1mflexsid: %s\033[0m\n'
 
 .PHONY: help install demo serve docs release test test-long adversary lint types rules page-checks browser database format lock clean
@@ -179,4 +178,4 @@ format: install
 clean:
 	rm -rf $(VENV) frontend/node_modules backend/flexsid/frontend_dist dist
 	find . -name __pycache__ -not -path './frontend/*' -prune -exec rm -rf {} +
-	rm -rf .cache/bytecode .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf .pytest_cache .ruff_cache .import_linter_cache .hypothesis
