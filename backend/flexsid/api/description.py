@@ -159,6 +159,7 @@ _TEXTS: dict[str, str | dict[str, object]] = {
     "application/x-ipynb+json": {"nbformat": 4, "cells": []},
     "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
     "application/zip": "PK",
+    "application/x-netcdf": "CDF",
     "image/svg+xml": "<svg>",
 }
 
