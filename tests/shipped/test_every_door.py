@@ -50,6 +50,19 @@ def proposal(client: Client) -> dict[str, Any]:
     return client.get(f"maneuvers/{MANEUVER}/run-proposal")
 
 
+@pytest.mark.parametrize("form", ["json", "csv", "nc"])
+def test_samples_are_the_same_file_over_rest_and_on_the_command_line(
+    client: Client, database: Path, tmp_path: Path, form: str
+) -> None:
+    file = tmp_path / f"samples.{form}"
+    order = ("samples", str(MANEUVER), "--channels", "q,wf4s", "--output", str(file))
+    ask_command(tmp_path, f"sqlite:///{database}", *order)
+    sent = client.request(
+        "get", f"maneuvers/{MANEUVER}/samples", params={"channels": "q,wf4s", "format": form}
+    )
+    assert (sent.status_code, sent.content) == (200, file.read_bytes())
+
+
 def request_by_page(client: Client, proposal: dict[str, Any]) -> int:
     body = {
         "maneuver_id": MANEUVER,

@@ -150,10 +150,10 @@ def get_samples(
         raise BadInput("give both start_s and stop_s, or neither", code="bad-interval")
     interval = None if start_s is None or stop_s is None else (start_s, stop_s)
     traces = read_samples(store, maneuver_id, split_names(channels) or (), interval)
+    content = write_samples(traces, form, store.maneuvers.get(maneuver_id).label)
     if form is SampleForm.JSON:
-        return Json(traces)
-    title = store.maneuvers.get(maneuver_id).label
-    return make_file_response(write_samples(traces, form, title), MEDIA_TYPES[form])
+        return Response(content, media_type=MEDIA_TYPES[form])
+    return make_file_response(content, MEDIA_TYPES[form])
 
 
 # The figure of the reconstruction has its result.

@@ -205,7 +205,7 @@ def _check_run(run: EstimationRun, first: EstimationRun) -> None:
 
 
 def get_compared_structure(run: EstimationRun) -> tuple[object, ...]:
-    """Return what runs have to share to be compared: axis, modes, free derivatives, channels."""
+    """Return what is equal in runs that are compared: axis, modes, free derivatives, channels."""
     own = run.structure
     return own.axis, own.modes, own.free, own.inputs, own.outputs
 

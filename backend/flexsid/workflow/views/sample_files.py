@@ -54,7 +54,8 @@ def write_samples(traces: Sequence[ChannelTrace], form: SampleForm, title: str) 
 
 
 def _write_json(traces: Sequence[ChannelTrace], title: str) -> bytes:
-    return orjson.dumps(traces, option=orjson.OPT_SERIALIZE_NUMPY)
+    # Arrays that are not contiguous are no arrays to orjson.
+    return orjson.dumps(traces, option=orjson.OPT_SERIALIZE_NUMPY, default=np.ndarray.tolist)
 
 
 def _write_csv(traces: Sequence[ChannelTrace], title: str) -> bytes:
