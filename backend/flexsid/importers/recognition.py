@@ -413,24 +413,38 @@ def _find_surfaces(
         k
         for k, hint in enumerate(hints)
         if k not in still and hint.kind in ("", "angle", "deflection") and not hint.name
-        and (hint.kind or not _find_g(abs(motion.mean[k])))
         and (hint.kind == "deflection" or _size(motion.span[k], "deflection") < 1.0)
     ]  # fmt: skip
+    # A surface that is trimmed to 1 deg looks as an acceleration in g, which shares their lines.
+    seems = {k: "" if hints[k].kind else _find_g(abs(motion.mean[k])) for k in possible}
+    groups = _group_same(motion, [k for k in possible if not seems[k]])
+    named = [any(hints[k].kind == "deflection" for k in group) for group in groups]
+    chosen = _find_disjoint(motion.overlap, [group[0] for group in groups], named)
+    apart = [groups[number][0] for number in sorted(chosen)]
+    for group in _group_same(motion, [k for k in possible if seems[k] == "g"]):
+        if apart and (motion.overlap[group[0], apart] < _DISJOINT).all():
+            chosen.add(len(groups))
+            groups.append(group)
+            named.append(False)
+            apart.append(group[0])
+    roles: dict[int, Role] = {}
+    for number, group in enumerate(groups):
+        if named[number] or number in chosen:
+            roles |= _find_commands(motion, hints, group)
+    return roles
+
+
+def _group_same(motion: _MovingColumns, columns: Iterable[int]) -> list[list[int]]:
+    """Return columns of one surface together: its command, its other side."""
     groups: list[list[int]] = []
-    for k in possible:
+    for k in columns:
         for group in groups:
             if motion.is_same(k, group[0]):
                 group.append(k)
                 break
         else:
             groups.append([k])
-    named = [any(hints[k].kind == "deflection" for k in group) for group in groups]
-    chosen = _find_disjoint(motion.overlap, [group[0] for group in groups], named)
-    roles: dict[int, Role] = {}
-    for number, group in enumerate(groups):
-        if named[number] or number in chosen:
-            roles |= _find_commands(motion, hints, group)
-    return roles
+    return groups
 
 
 def _find_disjoint(overlap: np.ndarray, first: Sequence[int], named: Sequence[bool]) -> set[int]:
