@@ -53,6 +53,7 @@ class Record:
     sentence: str
     gain: float
     gain_std: float
+    n_modes: int
     outputs: tuple[str, ...]
     spectrum: tuple[float, ...]
     modes: tuple[Row, ...]
@@ -61,14 +62,16 @@ class Record:
 
 def test_a_record_is_printed_with_errors_units_and_tables() -> None:
     modes = (Row("SW1B", 2.98, 0.04), Row("SW1T", 12.5, 0.3))
-    record = Record(4, "It fits.", 1.5, 0.25, ("q", "az"), (0.0,) * 100, modes, ("Short.",))
+    record = Record(4, "It fits.", 1.5, 0.25, 2, ("q", "az"), (0.0,) * 100, modes, ("Short.",))
     assert list(format_record(record)) == [
         "run 4: It fits.",
-        "  gain     1.5 ± 0.25",
-        "  outputs  q, az",
+        "  gain             1.5 ± 0.25",
+        "  number of modes  2",
+        "  outputs          q, az",
         "  modes",
         "    name  frequency [Hz]",
         "    SW1B  2.98 ± 0.04",
         "    SW1T  12.5 ± 0.3",
         "  Warning: Short.",
+        "  Values ± one standard error.",
     ]

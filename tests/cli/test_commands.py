@@ -229,6 +229,9 @@ def test_a_transfer_function_is_fitted(flown_url: str, capsys) -> None:
     printed = capsys.readouterr().out
     assert "delay [s]" in printed
     assert printed.count("±") > 6
+    store = Store.open(flown_url)
+    assert store.jobs.find(kind="transfer-function")[0].title == "q over wf4s, flown"
+    store.close()
 
 
 def test_modes_of_outputs_are_printed(flown_url: str, capsys) -> None:

@@ -46,8 +46,15 @@ def run_analysis(settings: Settings, arguments: argparse.Namespace) -> int:
 def format_record(record: Any) -> Iterator[str]:
     """Yield the lines of a record: what it is of, its sentence and values, and tables of its rows.
 
-    Values stand with their standard errors; lists of more than a few numbers are left out.
+    Lists of more than a few numbers are left out.
     """
+    lines = list(_format_values(record))
+    yield from lines
+    if any("±" in line for line in lines):
+        yield "  Values ± one standard error."
+
+
+def _format_values(record: Any) -> Iterator[str]:
     cells = _list_cells(record)
     of = next((one.name for one in fields(record) if one.name.endswith("_id")), "")
     head = [f"{of.removesuffix('_id')} {cells.pop(_name(of))}"] if of else []
@@ -100,7 +107,8 @@ def _is_short(value: Any) -> bool:
 def _name(field: str) -> str:
     stem, dimension = find_unit_suffix(field)
     unit = "" if dimension is None else f" [{SI_UNITS[dimension]}]"
-    return stem.removesuffix("_id").replace("_", " ") + unit
+    name = re.sub("^n_", "number_of_", stem.removesuffix("_id"))
+    return name.replace("_", " ") + unit
 
 
 def _format(value: Any, error: float | None = None) -> str:

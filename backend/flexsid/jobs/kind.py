@@ -109,6 +109,8 @@ class Kind(Generic[Request, Result]):
     identify
         Checks a request, and returns all records on which the result depends; None for kinds
         whose result is never that of an earlier request.
+    describe
+        Returns the title of the job of a request that is given none.
     priority
         Jobs of higher priority start first.
     usual_s
@@ -127,6 +129,7 @@ class Kind(Generic[Request, Result]):
     save: Save = save_result
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
+    describe: Callable[[Store, Request], str] = lambda store, request: ""
     priority: int = 0
     usual_s: float | None = None
     page: str = ""
@@ -213,8 +216,6 @@ class Analysis(Kind[Request, Result]):
     noun
         The routes are ``request_{noun}``, ``get_{noun}_job`` and ``get_{noun}``; the name by
         default.
-    describe
-        Returns the title of the job of a request.
     command
         Command line of its own, with the options of the request; without one by default.
     example
@@ -286,7 +287,7 @@ def submit(
 ) -> Job:
     """Queue a job, or return that of an equal request that has not failed.
 
-    An analysis without title gets that of its kind.
+    A job without title gets that of its kind.
 
     Raises
     ------
@@ -294,8 +295,7 @@ def submit(
         As ``build_job``.
     """
     job = build_job(store, kind, request, author, title)
-    if not title and isinstance(kind, Analysis):
-        job = replace(job, title=kind.describe(store, request))
+    job = replace(job, title=title or kind.describe(store, request))
     with store.database.transaction() as connection:
         store.database.lock_writers(connection)
         return queue.find_equal(store, job.request_hash) or queue.add_job(store, job)
