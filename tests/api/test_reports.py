@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -63,6 +64,29 @@ def test_a_report_is_printed_by_one_job_and_stored(
     note = {"subject": "run", "key": "1", "text": "Checked."}
     assert client.post("/api/v1/notes", json=note, headers=_WHO).status_code == 201
     assert client.get(f"{address}?format=pdf").json()["code"] == "not-computed"
+
+
+def test_a_figure_is_printed_on_a_page_of_its_size(client: TestClient) -> None:
+    figure = "derivatives?run_ids=1"
+    asked = {"figure": figure, "width_mm": 82.6, "height_mm": 62, "figure_title": "A <b> & c"}
+    page = client.get("/api/v1/reports/figure", params=asked)
+    assert page.headers["content-security-policy"].startswith("sandbox")
+    assert "@page { size: 82.6mm 62.0mm; margin: 0; }" in page.text
+    assert "<title>A &lt;b&gt; &amp; c</title>" in page.text
+    drawn = client.get("/api/v1/figures/derivatives?run_ids=1").json()
+    assert json.dumps(drawn["data"][0]["y"], separators=(",", ":")) in page.text
+    job = client.post("/api/v1/reports/figure", params=asked).json()
+    assert (job["kind"], job["title"]) == ("report", "A <b> & c")
+    for address, part in (
+        ("derivative?run_ids=1", "no figure is named 'derivative'"),
+        ("derivatives?run_id=1", "no parameter 'run_id'; expected coefficient"),
+        ("derivatives", "run_ids of derivatives"),
+        ("fit?run_id=x", "run_id of fit"),
+    ):
+        for ask in (client.get, client.post):
+            refused = ask("/api/v1/reports/figure", params={"figure": address})
+            assert (refused.status_code, refused.json()["code"]) == (422, "bad-figure")
+            assert part in refused.json()["detail"]
 
 
 def test_decision_report_contains_evidence_and_history(client: TestClient) -> None:

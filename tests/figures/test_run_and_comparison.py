@@ -200,6 +200,32 @@ def test_derivatives_stand_side_by_side_with_two_sigma(drawable):
     assert first_oe["symbol"] != second_oe["symbol"]
 
 
+def test_derivatives_of_all_coefficients_stand_in_rows_that_do_not_overlap(drawable):
+    variables = ("alpha", "q", "eta7", "eta9", "etadot7", "etadot9", "bfs", "wf1s")
+    rows = tuple(
+        row(f"{coefficient}_{variable}", -1.0, -1.1, -1.05, -0.8)
+        for coefficient in ("CZ", "Cm", "CQ7", "CQ9", "CQ11")
+        for variable in variables
+    )
+    spec = draw_derivatives(Comparison(maneuver_ids=(1,), sources=SOURCES, rows=rows))
+    drawable(spec)
+    layout = spec["layout"]
+    panels = [
+        (*layout[name]["domain"], *layout[name.replace("x", "y", 1)]["domain"])
+        for name in layout
+        if name.startswith("xaxis")
+    ]
+    assert len(panels) == 25
+    for left, right, low, high in panels:
+        assert 0.0 <= left < right <= 1.0
+        assert 0.0 <= low < high <= 1.0
+    assert len({panel[2:] for panel in panels}) == 5
+    for one in panels:
+        for other in panels:
+            is_beside = one[1] < other[0] or other[1] < one[0]
+            assert one is other or is_beside or one[3] < other[2] or other[3] < one[2]
+
+
 def test_a_forest_stands_over_the_weighted_mean(drawable):
     sources = tuple(
         ComparedSource(key=f"run-{number}", label=f"{kind} {number}", kind=kind, run_id=number)

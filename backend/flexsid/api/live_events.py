@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from anyio import CapacityLimiter, to_thread
+from fastapi.sse import format_sse_event
 
+from flexsid.api.serialization import dump_json
 from flexsid.errors import FlexsidError
 from flexsid.records.job import JobEvent
 from flexsid.storage.changes import Totals, find_changed, read_totals
@@ -28,13 +32,15 @@ _GATHERED_S = 0.05  # from a change to reading: the end of a job and the start o
 _MAX_EVENTS = 1000  # a page that missed more events reloads its lists
 _HEALTH: frozenset[tuple[str, None]] = frozenset({("health", None)})
 _STREAMS_S = 0.1  # between two events of streams: samples are sent ten times per second
+_SILENT_S = 15.0  # proxies close a connection on which nothing is sent for a minute
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JobUpdate:
     """New entries of the log, the running jobs if they have changed, and what else has changed.
 
     ``changed`` has sorts of records with their campaign; without one for all readers.
+    Without slots, so that its text is written once for all readers.
     """
 
     events: list[JobEvent]
@@ -42,6 +48,23 @@ class JobUpdate:
     missed: bool = False
     streams: frozenset[int] = frozenset()
     changed: frozenset[tuple[str, int | None]] = frozenset()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing has changed."""
+        return self == _NOTHING
+
+    @cached_property
+    def text(self) -> bytes:
+        """All that every reader of it is sent, as server-sent events."""
+        parts = [write_event("missed", {})] if self.missed else []
+        parts += [write_event("job", event, event.id) for event in self.events]
+        if self.running is not None:
+            parts.append(write_event("running", self.running))
+        if self.changed:
+            records = {"records": sorted({name for name, _ in self.changed})}
+            parts.append(write_event("changed", records))
+        return b"".join(parts)
 
     def extend(self, later: JobUpdate) -> JobUpdate:
         """Return this update and a later one as one."""
@@ -52,6 +75,15 @@ class JobUpdate:
             self.streams | later.streams,
             self.changed | later.changed,
         )
+
+
+_NOTHING = JobUpdate([], None)
+
+
+def write_event(name: str, content: object, number: int | None = None) -> bytes:
+    """Write a server-sent event; one with a number can be resumed after."""
+    known = None if number is None else str(number)
+    return format_sse_event(data_str=dump_json(content).decode(), event=name, id=known)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +137,8 @@ class LiveEvents:
     async def listen(self, after: int | None) -> AsyncIterator[JobUpdate]:
         """Yield the events after a known one, then all new ones, until the server stops.
 
+        After a while without any an empty update is yielded, for which something is to be sent.
+
         Parameters
         ----------
         after
@@ -114,7 +148,7 @@ class LiveEvents:
         self._listeners.add(updates)
         self._notified.set()
         try:
-            last = after
+            last, sent = after, time.monotonic()
             if after is not None and not self._stopped:
                 # From its first update on, this listener receives every later event.
                 first = await updates.get()
@@ -134,8 +168,10 @@ class LiveEvents:
                 if update is None:
                     return
                 events = [event for event in update.events if last is None or event.id > last]
-                update = replace(update, events=events)
-                if update != JobUpdate([], None):
+                if len(events) < len(update.events):
+                    update = replace(update, events=events)
+                if not update.is_empty or time.monotonic() - sent > _SILENT_S:
+                    sent = time.monotonic()
                     yield update
         finally:
             self._listeners.discard(updates)
@@ -150,7 +186,7 @@ class LiveEvents:
                     last, update, before = await to_thread.run_sync(self._read, last, before)
                 except FlexsidError as error:
                     _log.warning("live events are delayed: %s", error.message)
-                    update = JobUpdate([], None, changed=_HEALTH if before else frozenset())
+                    update = replace(_NOTHING, changed=_HEALTH if before else frozenset())
                     before = None
                 for updates in self._listeners:
                     updates.put_nowait(update)
@@ -184,7 +220,7 @@ class LiveEvents:
         self._streams.add(stream_id)
 
     def _send_streams(self) -> None:
-        update = JobUpdate([], None, streams=frozenset(self._streams))
+        update = replace(_NOTHING, streams=frozenset(self._streams))
         self._streams.clear()
         for updates in self._listeners:
             # A slow page reads the newest samples with what it waits for.

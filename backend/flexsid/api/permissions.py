@@ -77,7 +77,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("report_run_card", "report_global_model", "report_flutter", "report_closed_loop"),
         *("report_sortie", "print_run", "print_comparison", "print_decision", "print_campaign"),
         *("print_run_card", "print_global_model", "print_flutter", "print_closed_loop"),
-        *("print_sortie", "get_printed_report"),
+        *("print_sortie", "report_figure", "print_figure", "get_printed_report"),
         *(
             "check_design",
             "get_target_modes",

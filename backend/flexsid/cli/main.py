@@ -1,6 +1,7 @@
 """The ``flexsid`` command: parses the arguments and dispatches to one command.
 
-Each command imports its modules when it runs, so that ``--help`` is fast.
+Each command imports its modules when it runs, so that others are fast. The commands of analyses are
+listed by the kinds of jobs, which take longest to load.
 """
 
 from __future__ import annotations
@@ -456,8 +457,11 @@ def _add_report_options(command: argparse.ArgumentParser) -> None:
 
     option = command.add_argument
     kinds = ("run", "comparison", "flutter", "closed-loop", "decision", "global-model", "sortie")
-    option("kind", choices=(*kinds, "campaign", "template"))
-    meaning = "ids of runs, or id of a decision, of a version of a global model or of a stream"
+    option("kind", choices=(*kinds, "campaign", "figure", "template"))
+    meaning = (
+        "ids of runs, or id of a decision, of a version of a global model or of a stream, or the "
+        "address of a figure: 'bode?maneuver_id=1&output=q'"
+    )
     option("ids", nargs="?", metavar="ID,ID", help=meaning)
     meaning = "ids of predictions in the comparison"
     option("--predictions", default="", metavar="ID,ID", help=meaning)
@@ -467,6 +471,10 @@ def _add_report_options(command: argparse.ArgumentParser) -> None:
     option("--units", choices=("metric", "us", "si"), help=meaning)
     meaning = "unit of frequencies in the report"
     option("--frequency-unit", choices=("Hz", "rad/s"), help=meaning)
+    for name, meaning in (("width-mm", "width"), ("height-mm", "height"), ("font-pt", "font")):
+        help_text = f"{meaning} of a figure [{name[-2:]}]; by default across a page of a paper"
+        option(f"--{name}", type=float, metavar=name[-2:].upper(), help=help_text)
+    option("--title", help="title above a figure")
     meaning = "custom template; start from `flexsid report template`"
     option("--template", metavar="FILE", help=meaning)
     option("--output", required=True, metavar="FILE", help=".html, or .pdf")

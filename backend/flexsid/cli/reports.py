@@ -14,6 +14,7 @@ from flexsid.cli.output import parse_list, print_result, print_written_file, wri
 from flexsid.cli.runs import compute_result
 from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem, show_in
 from flexsid.errors import BadInput
+from flexsid.figures.spec import PrintFormat
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, GLOBAL_MODEL
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.records.search import IdentifiedDerivative
@@ -26,6 +27,7 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.exports import write_dave_ml, write_global_fmu
 from flexsid.workflow.global_model.versions import add_version, store_global_prediction
+from flexsid.workflow.maintenance.printed_reports import complete_document
 from flexsid.workflow.views.dashboard import read_dashboard
 
 # --- Command ``flexsid report`` -------------------------------------------------------------------
@@ -48,11 +50,19 @@ def _encode_report(settings: Settings, arguments: argparse.Namespace, suffix: st
     template = None if own is None else reports.read_template(own)
     with open_store(settings) as store:
         with show_in(_read_units(arguments)):
-            document = _make_report(store, arguments)
-        html = reports.to_html(document, datetime.now(UTC), template)
+            if arguments.kind == "figure":
+                document = reports.to_page(_print_figure(store, arguments))
+            else:
+                document = reports.to_document(_make_report(store, arguments), template)
+        html = complete_document(document, datetime.now(UTC))
         if suffix == ".pdf":
             return sign_content(store.database, reports.to_pdf(html), SignaturePlace.PDF)
         return sign_content(store.database, html.encode(), SignaturePlace.COMMENT)
+
+
+def _print_figure(store: Store, arguments: argparse.Namespace) -> reports.PrintedFigure:
+    size = (arguments.width_mm, arguments.height_mm, arguments.font_pt)
+    return reports.print_figure(store, arguments.ids or "", PrintFormat(*size, arguments.title))
 
 
 def _read_units(arguments: argparse.Namespace) -> DisplayUnits:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from itertools import groupby
 
 import numpy as np
@@ -20,6 +21,7 @@ from flexsid.figures.spec import (
     layout_key,
     line_at,
     plane,
+    rows,
     scatter,
     title,
 )
@@ -40,55 +42,74 @@ from flexsid.records.validation import (
 
 _GAP = 0.06
 _SPREAD = 0.7  # of the distance between derivatives, shared by the sources
+_NAMES = 0.15  # of the height of a row
 _RING = 2.5  # pixels, around a prediction that differs from the runs
 
 
 def draw_derivatives(value: Comparison) -> Spec:
-    """Draw one panel per kind of variable, since magnitudes differ by powers of ten.
+    """Draw a row of panels per coefficient, in each one per kind of variable.
 
-    Names of derivatives on which the runs differ are flagged; predictions that differ from a
-    run are ringed.
+    Their magnitudes differ by powers of ten. Names of derivatives on which the runs differ are
+    flagged; predictions that differ from a run are ringed.
     """
     if not value.rows or not value.sources:
         return empty("No derivatives in common")
-    panels = [list(group) for _, group in groupby(value.rows, key=lambda row: get_family(row.name))]
+    groups = [list(group) for _, group in groupby(value.rows, key=_coefficient)]
+    heights = rows([1.0] * len(groups))
     looks = select_styles(value.sources)
     layout: Spec = {
         "showlegend": True,
         "hovermode": "closest",
-        "meta": {"rows": 1.5, "least_width": 620},
+        "meta": {"rows": 1.5 * len(groups), "least_width": 620},
     }
     data: list[Spec] = []
-    left = 0.0
-    room = 1.0 - _GAP * (len(panels) - 1)
-    # a panel of one derivative still needs room for its tick labels
-    weights = [max(len(panel), 1.5) for panel in panels]
-    for number, (panel, weight) in enumerate(zip(panels, weights, strict=True), start=1):
-        right = left + room * weight / sum(weights)
-        layout[layout_key(number, "x")] = {
-            "domain": [left, min(right, 1.0)],
-            "anchor": axis(number),
-            "tickmode": "array",
-            "autotickangles": [0, -30],  # upwards, or the last name would leave the drawing
-            "tickvals": list(range(len(panel))),
-            "ticktext": [_format_tick(row) for row in panel],
-            "range": [-0.6, len(panel) - 0.4],
-            "showgrid": False,
-            "zeroline": False,
-            # below its panel: beside it, a unit would lie on the ticks of the next
-            **title(format_unit(panel[0].name)),
-        }
-        layout[layout_key(number)] = {"anchor": axis(number, "x"), "zeroline": True}
-        for index, source in enumerate(value.sources):
-            offset = _SPREAD * ((index + 0.5) / len(value.sources) - 0.5)
-            trace = _draw_source(panel, index, source, offset, looks[source.key], number)
-            data += [trace] if trace["x"] else []
-        left = right + _GAP
+    number = 0
+    for group, (low, high) in zip(groups, heights, strict=True):
+        for panel, width in _divide(group):
+            number += 1
+            layout[layout_key(number, "x")] = {
+                "domain": width,
+                "anchor": axis(number),
+                "tickmode": "array",
+                "autotickangles": [0, -30],  # upwards, or the last name would leave the drawing
+                "tickvals": list(range(len(panel))),
+                "ticktext": [_format_tick(row) for row in panel],
+                "range": [-0.6, len(panel) - 0.4],
+                "showgrid": False,
+                "zeroline": False,
+                # below its panel: beside it, a unit would lie on the ticks of the next
+                **title(format_unit(panel[0].name)),
+            }
+            own: Spec = {"anchor": axis(number, "x"), "zeroline": True}
+            if len(groups) > 1:  # the names and the unit of a row stand above the next one
+                own["domain"] = [low + _NAMES * (high - low), high]
+            layout[layout_key(number)] = own
+            for index, source in enumerate(value.sources):
+                offset = _SPREAD * ((index + 0.5) / len(value.sources) - 0.5)
+                trace = _draw_source(panel, index, source, offset, looks[source.key], number)
+                data += [trace] if trace["x"] else []
     named: set[str] = set()
     for trace in data:
         trace["showlegend"] = trace["legendgroup"] not in named
         named.add(trace["legendgroup"])
     return {"data": data, "layout": layout}
+
+
+def _coefficient(row: Row) -> str:
+    return row.name.partition("_")[0]
+
+
+def _divide(group: list[Row]) -> Iterator[tuple[list[Row], list[float]]]:
+    """Yield the panels of a row with their domains."""
+    panels = [list(panel) for _, panel in groupby(group, key=lambda row: get_family(row.name))]
+    # a panel of one derivative still needs room for its tick labels
+    weights = [max(len(panel), 1.5) for panel in panels]
+    room = 1.0 - _GAP * (len(panels) - 1)
+    left = 0.0
+    for panel, weight in zip(panels, weights, strict=True):
+        right = left + room * weight / sum(weights)
+        yield panel, [left, min(right, 1.0)]
+        left = right + _GAP
 
 
 def _format_tick(row: Row) -> str:

@@ -12,6 +12,7 @@ from string import Template
 
 import flexsid
 from flexsid.errors import BadInput
+from flexsid.figures.spec import Spec
 from flexsid.reports.content import (
     Drawing,
     Facts,
@@ -22,6 +23,7 @@ from flexsid.reports.content import (
     Section,
     Words,
 )
+from flexsid.reports.figure import PrintedFigure
 from flexsid.workflow.maintenance.printed_reports import FIGURE_SCRIPT, MADE_AT, complete_document
 from flexsid.workflow.review.notes import render_markdown
 
@@ -103,6 +105,19 @@ def to_document(report: Report, template: str | None = None) -> str:
     )
 
 
+def to_page(figure: PrintedFigure) -> str:
+    """Render a figure as HTML of its size, with a mark for the script of the figures."""
+    size = f"{figure.width_mm}mm {figure.height_mm}mm"
+    style = f"@page {{ size: {size}; margin: 0; }} body, figure {{ margin: 0; overflow: hidden; }}"
+    style += " @media print { .modebar { display: none; } }"
+    return (
+        f'<!doctype html>\n<html lang="en">\n<head><meta charset="utf-8">'
+        f"<title>{escape(figure.title)}</title><style>{style}</style></head>\n<body>"
+        f"{_draw(figure.spec, figure.title)}</figure>\n{FIGURE_SCRIPT}\n"
+        f"<script>{_read_resource('report.js')}</script>\n</body>\n</html>\n"
+    )
+
+
 def _section(section: Section) -> str:
     parts = "\n".join(map(_part, section.parts))
     return (
@@ -130,12 +145,16 @@ def _part(part: Part) -> str:
         case ReportTable():
             return _table(part)
         case Drawing():
-            spec = json.dumps(part.spec, separators=(",", ":")).replace("<", "\\u003c")
-            return (
-                f'<figure><div class="drawing" role="img" aria-label="{escape(part.caption)}">'
-                f'</div><script type="application/json">{spec}</script>'
-                f"<figcaption>{escape(part.caption)}</figcaption></figure>"
-            )
+            caption = f"<figcaption>{escape(part.caption)}</figcaption>"
+            return f"{_draw(part.spec, part.caption)}{caption}</figure>"
+
+
+def _draw(spec: Spec, name: str) -> str:
+    numbers = json.dumps(spec, separators=(",", ":")).replace("<", "\\u003c")
+    return (
+        f'<figure><div class="drawing" role="img" aria-label="{escape(name)}"></div>'
+        f'<script type="application/json">{numbers}</script>'
+    )
 
 
 def _table(table: ReportTable) -> str:

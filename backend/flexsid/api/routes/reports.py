@@ -17,7 +17,7 @@ from flexsid import reports
 from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import TheUnits, submit_job
+from flexsid.api.responses import ThePrintFormat, TheUnits, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheClosedLoopQuery
@@ -30,6 +30,7 @@ from flexsid.jobs.kinds import REPORT
 from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.run import RunState
 from flexsid.reports import Report
+from flexsid.reports.figure import PrintedFigure
 from flexsid.storage.jobs.job_list import JobItem
 from flexsid.storage.repository import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
@@ -103,13 +104,36 @@ def _report_run_card(store: TheStore, design_id: Identity, level: Level = DEFAUL
     return reports.run_card(store, design_id, level)
 
 
-def _add_report(path: str, name: str, make: Callable[..., Report], content: str) -> None:
+def _report_figure(
+    store: TheStore,
+    figure: Annotated[
+        str,
+        Query(
+            min_length=1,
+            max_length=4000,
+            description="Name and parameters of a figure, as in its address.",
+        ),
+    ],
+    print_format: ThePrintFormat,
+) -> PrintedFigure:
+    return reports.print_figure(store, figure, print_format)
+
+
+def _write_document(content: Report | PrintedFigure, template: str | None) -> str:
+    if isinstance(content, Report):
+        return reports.to_document(content, template)
+    return reports.to_page(content)
+
+
+def _add_report(
+    path: str, name: str, make: Callable[..., Report | PrintedFigure], content: str
+) -> None:
     """Add the routes of a report: ``report_{name}`` returns it, ``print_{name}`` prints it.
 
     Both take the display units.
     """
 
-    def make_once(*, units: DisplayUnits, **named: Any) -> Report:
+    def make_once(*, units: DisplayUnits, **named: Any) -> Report | PrintedFigure:
         with show_in(units), reading_once():
             return make(**named)
 
@@ -119,7 +143,7 @@ def _add_report(path: str, name: str, make: Callable[..., Report], content: str)
     vars(make_once)["__signature__"] = given.replace(parameters=parameters)
 
     def read(context: TheContext, report: Any, form: Form = "html") -> Response:
-        document = reports.to_document(report, context.report_template)
+        document = _write_document(report, context.report_template)
         if form == "pdf":
             request = ReportRequest(name=report.name, document=describe_document(document)["hash"])
             return _respond_with_pdf(context.store, get_result(context.store, REPORT, request))
@@ -129,13 +153,13 @@ def _add_report(path: str, name: str, make: Callable[..., Report], content: str)
         return Response(signed, media_type=_HTML, headers=headers)
 
     def print_(context: TheContext, report: Any, analyst: TheAnalyst) -> Json:
-        row = describe_document(reports.to_document(report, context.report_template))
+        row = describe_document(_write_document(report, context.report_template))
         context.store.arrays.put_many([row])
         request = ReportRequest(name=report.name, document=row["hash"])
         return submit_job(context, REPORT, request, analyst, report.title)
 
     for respond in (read, print_):
-        respond.__annotations__["report"] = Annotated[Report, Depends(make_once)]
+        respond.__annotations__["report"] = Annotated[Any, Depends(make_once)]
     router.add_api_route(
         path,
         read,
@@ -216,4 +240,8 @@ _add_report(
 _add_report(
     *("/run-card/{design_id}", "run_card", _report_run_card),
     "a design for the crew, the run card: commands, limits, checksums and conduct",
+)
+_add_report(
+    *("/figure", "figure", _report_figure),
+    "one figure, on a page of its size",
 )

@@ -34,8 +34,22 @@ function height(layout) {
 
 async function draw(target, spec) {
   const layout = under(LAYOUT, spec.layout);
+  const ratio = layout.font.size / LAYOUT.font.size; // of a figure that is printed for a paper
   for (const key of Object.keys(layout)) {
-    if (/^[xy]axis\d*$/.test(key)) layout[key] = under(AXIS, layout[key]);
+    if (!/^[xy]axis\d*$/.test(key)) continue;
+    layout[key] = under(AXIS, layout[key]);
+    layout[key] = under(layout[key], { title: { font: { size: layout.font.size } } });
+  }
+  layout.margin = Object.fromEntries(
+    Object.entries(layout.margin).map(([side, size]) => [side, ratio * size]),
+  );
+  if (layout.title) {
+    layout.margin.t += 2 * layout.font.size;
+    const place = { y: 1, yref: "container", yanchor: "top", pad: { t: 0.5 * layout.font.size } };
+    layout.title = { ...layout.title, ...place, font: { size: 1.2 * layout.font.size } };
+  }
+  for (const one of layout.annotations ?? []) {
+    one.font = { ...one.font, size: ratio * (one.font?.size ?? LAYOUT.font.size) };
   }
   layout.height ??= height(spec.layout);
   // Plotly offers to send figures to its own cloud unless it is told not to.

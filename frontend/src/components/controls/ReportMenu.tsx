@@ -17,7 +17,6 @@ interface Props {
 export function ReportMenu({ of, query }: Props) {
   const print = usePrintReport();
   const path = address(`reports/${of}`, { ...query, ...useUnitParameters() });
-  const [ended, setEnded] = useState<Job>();
   return (
     <>
       <Menu position="bottom-end">
@@ -39,7 +38,6 @@ export function ReportMenu({ of, query }: Props) {
           <Menu.Item
             data-testid="report-pdf"
             onClick={() => {
-              setEnded(undefined);
               print.mutate(path);
             }}
           >
@@ -47,22 +45,37 @@ export function ReportMenu({ of, query }: Props) {
           </Menu.Item>
         </Menu.Dropdown>
       </Menu>
-      <Modal opened={!print.isIdle} onClose={print.reset} title="PDF report">
-        {print.isError && <ProblemAlert error={print.error} />}
-        {print.data !== undefined && <JobWait id={print.data.id} onEnd={setEnded} />}
-        {ended?.state === "succeeded" && (
-          <Button
-            component="a"
-            href={printedReport(ended.id)}
-            target="_blank"
-            rel="noopener"
-            data-testid="open-report"
-          >
-            Open PDF
-          </Button>
-        )}
-      </Modal>
+      <PrintedPdf print={print} title="PDF report" />
     </>
+  );
+}
+
+/** The job that prints a PDF, which can be cancelled, and the file when it has ended. */
+export function PrintedPdf({
+  print,
+  title,
+}: {
+  print: ReturnType<typeof usePrintReport>;
+  title: string;
+}) {
+  const [ended, setEnded] = useState<Job>();
+  const job = print.data;
+  return (
+    <Modal opened={!print.isIdle} onClose={print.reset} title={title}>
+      {print.isError && <ProblemAlert error={print.error} />}
+      {job !== undefined && <JobWait id={job.id} onEnd={setEnded} />}
+      {ended?.state === "succeeded" && ended.id === job?.id && (
+        <Button
+          component="a"
+          href={printedReport(ended.id)}
+          target="_blank"
+          rel="noopener"
+          data-testid="open-report"
+        >
+          Open PDF
+        </Button>
+      )}
+    </Modal>
   );
 }
 

@@ -12,6 +12,7 @@ import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
 import { address, type QueryValue } from "../../api/client";
 import { asProblem } from "../../api/problem";
+import { usePrintReport } from "../../api/commands";
 import { figureQuery } from "../../api/queries";
 import { useConversion, useUnitParameters } from "../../api/units";
 import { figureHeight, rounded } from "../../lib/figures/figureLayout";
@@ -22,6 +23,7 @@ import { DownloadIcon } from "../display/icons";
 import { loadPlotly } from "./plotly";
 import { PlotlyCanvas } from "./PlotlyCanvas";
 import { PrintFigure, usePrintFormat } from "./PrintFigure";
+import { PrintedPdf } from "../controls/ReportMenu";
 import { ProblemAlert } from "../display/ProblemAlert";
 
 interface Props extends FigureEvents {
@@ -40,7 +42,8 @@ interface Props extends FigureEvents {
 /** A figure that the server built: fetched, drawn in the page's colors, downloadable. */
 export function Figure({ kind, params: given, title, height, revision, window, ...events }: Props) {
   const scheme = useComputedColorScheme("light");
-  const params = { ...given, ...useUnitParameters() };
+  const units = useUnitParameters();
+  const params = { ...given, ...units };
   const perHertz = useConversion()("Hz").factor;
   // The page's windows over frequency are in Hz, whatever the figure shows.
   const factor = events.link === "frequency" ? perHertz : 1;
@@ -61,6 +64,14 @@ export function Figure({ kind, params: given, title, height, revision, window, .
     href: address(`figures/${kind}`, { ...params, ...more, format }),
     download: `${name}.${format}`,
   });
+
+  const isStored = kind !== "live-bode"; // which changes while a job would print it
+  const pdf = usePrintReport();
+  const printPdf = (titled = "") => {
+    const figure = address(kind, given).replace("/api/v1/", "");
+    const more = { ...units, ...print, figure_title: titled === "" ? undefined : titled };
+    pdf.mutate(address("reports/figure", { figure, ...more }));
+  };
 
   return (
     <section
@@ -101,6 +112,16 @@ export function Figure({ kind, params: given, title, height, revision, window, .
                     {format.toUpperCase()}
                   </Menu.Item>
                 ))}
+                {isStored && (
+                  <Menu.Item
+                    data-testid="figure-pdf"
+                    onClick={() => {
+                      printPdf();
+                    }}
+                  >
+                    PDF
+                  </Menu.Item>
+                )}
                 {(["csv", "mat", "json"] as const).map((format) => (
                   <Menu.Item key={format} component="a" {...file(format)}>
                     {format.toUpperCase()}
@@ -129,11 +150,20 @@ export function Figure({ kind, params: given, title, height, revision, window, .
           onImage={(format, titled) => {
             handle?.download(format, name, { format: print, title: titled });
           }}
+          onPdf={
+            isStored
+              ? (titled) => {
+                  setPrinting(false);
+                  printPdf(titled);
+                }
+              : undefined
+          }
           json={(titled) =>
             file("json", { ...print, figure_title: titled === "" ? undefined : titled })
           }
         />
       )}
+      <PrintedPdf print={pdf} title={`PDF of ${title ?? kind}`} />
       {typeof note === "string" && (
         <Text size="xs" className="quiet" mb={4}>
           {note}

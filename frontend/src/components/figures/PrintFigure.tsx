@@ -35,12 +35,14 @@ interface Props {
   name: string;
   onClose: () => void;
   onImage: (format: "png" | "svg", title: string) => void;
+  /** None for a figure that is not stored. */
+  onPdf?: (title: string) => void;
   /** Address of the figure as JSON with this title. */
   json: (title: string) => { href: string; download: string };
 }
 
 /** Size, font and title of a figure for print, and its files. */
-export function PrintFigure({ name, onClose, onImage, json }: Props) {
+export function PrintFigure({ name, onClose, onImage, onPdf, json }: Props) {
   const format = usePrintFormat();
   const navigate = useNavigate();
   const search: PrintFormat = useSearch({ strict: false });
@@ -142,6 +144,16 @@ export function PrintFigure({ name, onClose, onImage, json }: Props) {
                 {image.toUpperCase()}
               </Button>
             ))}
+            {onPdf !== undefined && (
+              <Button
+                data-testid="print-pdf"
+                onClick={() => {
+                  onPdf(title);
+                }}
+              >
+                PDF
+              </Button>
+            )}
             <Button component="a" variant="default" {...json(title)}>
               JSON
             </Button>
