@@ -9,16 +9,20 @@ from typing import TYPE_CHECKING, Any
 import stub_kinds
 
 if TYPE_CHECKING:
-    from flexsid.jobs.kind import Kinds
+    from flexsid.jobs.kind import Kind, Kinds
     from flexsid.records.job import Job
     from flexsid.storage.store import Store
 
 
+class HeldKinds(stub_kinds.EveryKind):
+    """Stubs of any request, whose job states what happens by its author."""
+
+    def __missing__(self, name: str) -> Kind[Any, Any]:
+        return replace(super().__missing__(name), request=object, prepare=prepare)
+
+
 def load() -> Kinds:
-    return {
-        name: replace(kind, request=object, prepare=prepare)
-        for name, kind in stub_kinds.load().items()
-    }
+    return HeldKinds()
 
 
 def prepare(store: Store, job: Job, request: object) -> dict[str, Any]:

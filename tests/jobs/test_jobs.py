@@ -19,7 +19,6 @@ from sqlalchemy import event
 from flexsid.jobs import child
 from flexsid.jobs.dispatcher import Dispatcher, execute_run
 from flexsid.jobs.dispatcher_process import make_workers
-from flexsid.jobs.kinds import KINDS
 from flexsid.jobs.worker import LoadKinds
 from flexsid.records.decision import Structure
 from flexsid.records.job import Job
@@ -40,10 +39,6 @@ StartServer = Callable[..., subprocess.Popen[bytes]]
 def _kinds(store: Store, job: Job | EstimationRun) -> list[str]:
     assert job.id is not None
     return [line.kind for line in job_log.read_log(store, job.id) if line.kind != "logged"]
-
-
-def test_every_kind_of_job_is_tested(load_stub: LoadKinds) -> None:
-    assert set(load_stub()) == set(KINDS)
 
 
 def test_queued_runs_are_executed(

@@ -33,6 +33,7 @@ from flexsid.api.parameters import DESCRIPTION
 from flexsid.api.router import make_operation_id
 from flexsid.api.routes import (
     aircraft,
+    analyses,
     decisions,
     designs,
     figures,
@@ -291,6 +292,7 @@ def create_app(
         notes,
         jobs,
         validation,
+        analyses,
         reports,
         designs,
         flutter,

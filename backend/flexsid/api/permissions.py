@@ -94,8 +94,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_global_model_versions", "get_global_model_version", "compare_global_models"),
         "get_global_model_fmu",
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
-        *(f"get_{one.noun}_job" for one in ANALYSES),
-        *(f"get_{one.noun}" for one in ANALYSES if one.response is not None),
+        *(name for one in ANALYSES for name in one.reading_routes),
     ),
     Permission.ANALYST: (
         *("replace_aircraft", "set_thrust", "remove_thrust"),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
+
+from flexsid.jobs.kinds import ANALYSES
 
 FIELDS: dict[str, Any] = {
     "acceleration": 100.0,
@@ -146,7 +149,7 @@ FIELDS: dict[str, Any] = {
 }
 """Examples by the name of a parameter, or of a field of a response; other ids are 1."""
 
-PARAMETERS: dict[str, dict[str, Any]] = {
+PARAMETERS: dict[str, Mapping[str, Any]] = {
     "find_maneuvers": {"flight_id": 4},
     "list_flight_channels": {"flight_id": 4},
     "cut_maneuver": {"flight_id": 4},
@@ -154,8 +157,9 @@ PARAMETERS: dict[str, dict[str, Any]] = {
     "draw_bode": {"run_id": "1"},
     "draw_poles": {"run_id": "1"},
     **{
-        name: {"objective": "flutter", "derivatives": "Cm_alpha,Cm_q", "mode": "7"}
-        for name in ("request_optimal_design", "get_optimal_design_job", "get_optimal_design")
+        name: one.example
+        for one in ANALYSES
+        for name in (f"request_{one.noun}", *one.reading_routes)
     },
 }
 """Parameters by operation, where the demonstration campaign needs another value."""

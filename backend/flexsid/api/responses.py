@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import io
-import re
 from dataclasses import dataclass
-from inspect import cleandoc
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Query, status
+from fastapi import Depends, Query, status
 from fastapi.responses import Response
 from starlette.requests import Request
 from starlette.types import Message
 
-from flexsid.api.authorization import TheAnalyst
-from flexsid.api.context import Context, TheContext, TheStore
-from flexsid.api.parameters import query_as
-from flexsid.api.router import PREFIX
+from flexsid.api.context import Context
 from flexsid.api.serialization import Json
 from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem
 from flexsid.figures.spec import PrintFormat, extract_curves, write_csv
-from flexsid.jobs.kind import Analysis, Kind, find_job, get_result, submit
+from flexsid.jobs.kind import Kind, submit
 from flexsid.storage.access import get_access, using_access
 from flexsid.storage.jobs import job_list
 
@@ -152,58 +147,6 @@ class KnownJob:
     """The newest job of an equal request; null if there is none."""
 
     job: job_list.JobItem | None
-
-
-def add_analysis(router: APIRouter, analysis: Analysis[Any, Any]) -> None:
-    """Add the routes of an analysis below the address of a router.
-
-    They request its stored result, find the job of an equal request, and return the result
-    unless a route of the feature does.
-    """
-    path = analysis.path.removeprefix(router.prefix.removeprefix(PREFIX))
-    own = set(re.findall(r"{(\w+)}", analysis.path))
-    query_type = Annotated[
-        analysis.request,
-        Depends(query_as(analysis.request, *sorted(own))),
-    ]
-
-    def request(context: TheContext, query: Any, analyst: TheAnalyst) -> Json:
-        return submit_job(context, analysis, query, analyst)
-
-    def find(store: TheStore, query: Any) -> Json:
-        job = find_job(store, analysis, query)
-        return Json(KnownJob(None if job is None else job_list.get(store, job.id or 0)))
-
-    def read(store: TheStore, query: Any) -> Json:
-        return Json(analysis.show(get_result(store, analysis, query)))
-
-    for function in (request, find, read):
-        function.__annotations__["query"] = query_type
-    router.add_api_route(
-        f"{path}/results",
-        request,
-        methods=["POST"],
-        name=f"request_{analysis.noun}",
-        description=f"{analysis.label}: queue the job, or return that of an equal request.",
-        response_model=job_list.JobItem,
-        status_code=status.HTTP_202_ACCEPTED,
-    )
-    router.add_api_route(
-        f"{path}/results",
-        find,
-        name=f"get_{analysis.noun}_job",
-        description=f"{analysis.label}: return the newest job of an equal request; null without"
-        " one.",
-        response_model=KnownJob,
-    )
-    if analysis.response is not None:
-        router.add_api_route(
-            path,
-            read,
-            name=f"get_{analysis.noun}",
-            description=cleandoc(analysis.about),
-            response_model=analysis.response,
-        )
 
 
 # --- GET requests from the application to its own routes ------------------------------------------

@@ -20,7 +20,7 @@ PREFIX = "/api/v1"
 def make_router(
     prefix: str = "",
     *,
-    tag: str,
+    tag: str | None,
     route_class: type[DescribedRoute] = DescribedRoute,
     responses: Mapping[int | str, dict[str, Any]] | None = None,
 ) -> APIRouter:
@@ -31,13 +31,13 @@ def make_router(
     prefix
         Begin of their addresses, after that of the interface.
     tag
-        Group of the documentation.
+        Group of the documentation; None where each route states its own.
     route_class, responses
         As of FastAPI.
     """
     return APIRouter(
         prefix=f"{PREFIX}{prefix}",
-        tags=[tag],
+        tags=[] if tag is None else [tag],
         route_class=route_class,
         responses={"4XX": {"model": Problem}, **(responses or {})},
         dependencies=[Depends(authorize), Depends(refuse_unknown_parameters)],

@@ -7,7 +7,7 @@ import csv
 import getpass
 import io
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,7 @@ from typing import Any
 import orjson
 
 from flexsid.cli.administration import open_store
-from flexsid.cli.options import read_options
 from flexsid.cli.output import (
-    parse_band,
     parse_list,
     print_next_result,
     print_result,
@@ -25,20 +23,16 @@ from flexsid.cli.output import (
     show_count,
     write_file,
 )
-from flexsid.cli.runs import report_progress
+from flexsid.cli.runs import compute_result
 from flexsid.cli.serve import add_builtin_aircraft
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.jobs.dispatcher import execute_request
-from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import COMPATIBILITY, OUTPUT_ONLY_MODES, TRANSFER_FUNCTION
+from flexsid.jobs.kinds import COMPATIBILITY
 from flexsid.records.maneuver import ConditioningStep, StepKind
 from flexsid.records.quality import CompatibilityReport, SensorEstimate
-from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.settings import Settings
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
-from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 from flexsid.text import escape_spreadsheet_cell
 from flexsid.workflow.aircraft.derivative_predictions import add_aircraft, replace_aircraft
 from flexsid.workflow.importing.flight_import import (
@@ -51,8 +45,6 @@ from flexsid.workflow.measurements.maneuver_spectra import (
     add_conditioning_steps,
     take_named_corrections,
 )
-from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
-from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.model_structures.model_structures import refuse_altered
 from flexsid.workflow.quality.compatibility import CompatibilityQuery
 from flexsid.workflow.runs.exports import (
@@ -270,8 +262,7 @@ def check_compatibility(settings: Settings, arguments: argparse.Namespace) -> in
     with open_store(settings) as store:
         for group in groups:
             query = CompatibilityQuery(maneuver_ids=group)
-            execute_request(store, COMPATIBILITY, query, report_progress)
-            found = get_result(store, COMPATIBILITY, query)
+            found = compute_result(store, COMPATIBILITY, query)
             print_next_result("\n".join(_format_report(found)), found, as_json=arguments.json)
             corrections = [
                 replace(one.finding.correction, is_shared=True)
@@ -319,7 +310,7 @@ def _format_report(found: CompatibilityReport) -> Iterator[str]:
         yield f"  {fault.finding.sentence} {fault.finding.remedy}"
         if fault.question:
             yield f"    {fault.question}"
-    yield f"  {_ERRORS}"
+    yield "  Values ± one standard error."
     yield f"  {'sensor':<16}{'delay [ms]':>18}{'scale':>18}{'arm [m]':>18}"
     for one in found.sensors:
         yield f"  {one.name:<16}{_format_values(one)}"
@@ -336,91 +327,7 @@ def _format_values(one: SensorEstimate) -> str:
     return "".join(f"{cell:>18}" for cell in cells)
 
 
-_ERRORS = "Values ± one standard error."
-
-
 def _format(value: float | None, std: float | None, factor: float = 1.0) -> str:
     if value is None or std is None:
         return "-"
     return f"{factor * value:.3f} ± {factor * std:.2g}"
-
-
-# --- Command that identifies modes from outputs alone ---------------------------------------------
-
-
-def identify_output_only(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Print the modes of each maneuver from its outputs alone."""
-    low_hz, high_hz = parse_band(arguments.band) or (None, None)
-    with open_store(settings) as store:
-        for number in parse_list(arguments.maneuver, int, "--maneuver"):
-            query = OutputOnlyQuery(
-                maneuver_id=number,
-                low_hz=low_hz,
-                high_hz=high_hz,
-                **read_options(OutputOnlyQuery, arguments),
-            )
-            execute_request(store, OUTPUT_ONLY_MODES, query, report_progress)
-            found = get_result(store, OUTPUT_ONLY_MODES, query)
-            print_next_result("\n".join(_format_modes(found)), found, as_json=arguments.json)
-    return 0
-
-
-def _format_modes(found: OutputOnlyResult) -> Iterator[str]:
-    low, high = found.band_hz
-    yield f"maneuver {found.maneuver_id}, {found.duration_s:.0f} s, {low:.3g} to {high:.3g} Hz"
-    yield f"  {_ERRORS}"
-    yield f"  {'mode':<12}{'frequency [Hz]':>22}{'damping ratio':>22}{'MAC':>8}"
-    for mode in found.modes:
-        frequency = _format(mode.frequency_hz, mode.frequency_std_hz)
-        damping = f"{mode.damping:.4f} ± {mode.damping_std:.2g}"
-        mac = "-" if mode.mac is None else f"{mode.mac:.2f}"
-        yield f"  {mode.name or '-':<12}{frequency:>22}{damping:>22}{mac:>8}"
-    for tone in found.tones_hz:
-        yield f"  tone at {tone:.3f} Hz, left out"
-    for name, reason in found.excluded.items():
-        yield f"  {name} is not used: {reason}"
-    for warning in found.warnings:
-        yield f"  Warning: {warning}"
-
-
-# --- Command that fits transfer functions of one input and output ---------------------------------
-
-
-def fit_transfer_functions(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Print the transfer function of an output over an input, of each maneuver."""
-    low_hz, high_hz = parse_band(arguments.band) or (None, None)
-    with open_store(settings) as store:
-        for number in parse_list(arguments.maneuver, int, "--maneuver"):
-            query = TransferFunctionQuery(
-                maneuver_id=number,
-                low_hz=low_hz,
-                high_hz=high_hz,
-                **read_options(TransferFunctionQuery, arguments),
-            )
-            execute_request(store, TRANSFER_FUNCTION, query, report_progress)
-            found = get_result(store, TRANSFER_FUNCTION, query).function
-            print_next_result("\n".join(_format_function(found)), found, as_json=arguments.json)
-    return 0
-
-
-def _format_function(found: TransferFunction) -> Iterator[str]:
-    yield f"maneuver {found.maneuver_id}"
-    yield f"  {found.sentence} {_ERRORS}"
-    yield f"  {f'gain [{found.gain_unit}]':<24}{found.gain:>12.5g} ± {found.gain_std:.2g}"
-    if found.has_delay:
-        yield f"  {'equivalent delay [s]':<24}{found.delay_s:>12.5g} ± {found.delay_std_s:.2g}"
-    yield from _format_roots("zero", found.zeros)
-    yield from _format_roots("pole", found.poles)
-    for warning in found.warnings:
-        yield f"  Warning: {warning}"
-
-
-def _format_roots(kind: str, roots: Sequence[TransferFunctionRoot]) -> Iterator[str]:
-    for root in roots:
-        is_real = root.imag_rad_s == 0.0
-        value = root.real_rad_s if is_real else root.frequency_rad_s
-        label = f"{kind}, {'1/T' if is_real else 'ω'} [rad/s]"
-        shown = -value if is_real else value
-        yield f"  {label:<24}{shown:>12.5g} ± {root.frequency_std_rad_s:.2g}"
-        if not is_real:
-            yield f"  {'      ζ':<24}{root.damping:>12.5g} ± {root.damping_std:.2g}"

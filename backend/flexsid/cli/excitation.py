@@ -11,11 +11,9 @@ import numpy as np
 from flexsid.cli.administration import open_store
 from flexsid.cli.options import read_options
 from flexsid.cli.output import print_result, show_progress, write_file
-from flexsid.cli.runs import report_progress
+from flexsid.cli.runs import compute_result
 from flexsid.errors import BadInput
 from flexsid.importers import sandbox
-from flexsid.jobs.dispatcher import execute_request
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import OPTIMAL_DESIGN
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.settings import Settings
@@ -125,8 +123,7 @@ def optimise_design(settings: Settings, arguments: argparse.Namespace) -> int:
         **read_options(OptimalDesignQuery, arguments),
     )
     with open_store(settings) as store:
-        execute_request(store, OPTIMAL_DESIGN, query, report_progress)
-        found = get_result(store, OPTIMAL_DESIGN, query)
+        found = compute_result(store, OPTIMAL_DESIGN, query)
     print_result(_format(found), found, as_json=arguments.json)
     return 0
 

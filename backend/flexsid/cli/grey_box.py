@@ -8,10 +8,8 @@ from pathlib import Path
 
 from flexsid.cli.administration import open_store
 from flexsid.cli.output import parse_band, parse_list, print_next_result
-from flexsid.cli.runs import report_progress
+from flexsid.cli.runs import compute_result
 from flexsid.errors import BadInput
-from flexsid.jobs.dispatcher import execute_request
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GREY_BOX
 from flexsid.records.grey_box import GreyBoxFit
 from flexsid.settings import Mode, Settings
@@ -33,8 +31,7 @@ def fit_grey_boxes(settings: Settings, arguments: argparse.Namespace) -> int:
                 low_hz=low_hz,
                 high_hz=high_hz,
             )
-            execute_request(store, GREY_BOX, query, report_progress)
-            fit = get_result(store, GREY_BOX, query)
+            fit = compute_result(store, GREY_BOX, query)
             print_next_result("\n".join(_format_fit(fit)), fit, as_json=arguments.json)
     return 0
 

@@ -1,6 +1,7 @@
 """The ``flexsid`` command: parses the arguments and dispatches to one command.
 
-Each command imports its modules when it runs, so that ``--help`` is fast.
+Each command imports its modules when it runs, so that others are fast. The commands of analyses are
+listed by the kinds of jobs, which take longest to load.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ import pkgutil
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NoReturn
+from functools import partial
+from typing import NoReturn
 
 import flexsid
 from flexsid.cli.output import discard_output, flush_output, print_error
@@ -238,16 +240,8 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     add("flutter", "models:predict_flutter", summary, _add_flutter_options)
     summary = "fit derivatives over the envelope to all runs, and name outlying runs"
     add("global-model", "reports:fit_global_model", summary, _add_global_model_options)
-    summary = "predict the flutter speed from a prediction alone"
-    command = "models:predict_of_prediction"
-    add("predicted-flutter", command, summary, _add_predicted_flutter_options)
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
     add("validate", "models:validate", summary, _add_validation_options)
-    summary = "fit the transfer function of an output over an input, with equivalent delay"
-    command = "data:fit_transfer_functions"
-    add("transfer-function", command, summary, _add_transfer_function_options)
-    summary = "identify modes from outputs alone, as in turbulence, with standard errors"
-    add("output-only", "data:identify_output_only", summary, _add_output_only_options)
     summary = "fit a model of one's own, state-space matrices of a Python function"
     _add_grey_box_options(add("grey-box", "grey_box:fit_grey_boxes", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
@@ -257,13 +251,15 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     add("correct", "data:correct_causes", summary).add_argument(
         "runs", metavar="RUN,RUN", help=meaning
     )
-    summary = "sample the posterior of output-error runs, and check their standard errors"
-    meaning = "ids of succeeded output-error runs"
-    add("posterior", "models:check_posterior", summary).add_argument(
-        "runs", metavar="RUN,RUN", help=meaning
-    )
     summary = "test whether one linear model holds at the amplitudes of several runs"
     _add_amplitude_options(add("amplitudes", "models:compare_amplitudes", summary))
+    if only not in (*commands.choices, "--version"):
+        with loading():
+            from flexsid.cli.analyses import list_commands
+            from flexsid.cli.options import add_request
+        for name, summary, analysis in list_commands():
+            options = partial(add_request, request=analysis.request)
+            add(name, "analyses:run_analysis", summary, options).set_defaults(analysis=analysis)
     return parser
 
 
@@ -315,32 +311,6 @@ def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) 
     option("--free", metavar="A,B", help=f"{free}; default: all")
     option("--free-delays", action="store_true", help="estimate the delay of every output")
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
-
-
-def _add_transfer_function_options(command: argparse.ArgumentParser) -> None:
-    from flexsid.cli.options import add_options
-    from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
-
-    option = command.add_argument
-    meaning = "ids of maneuvers, each fitted separately"
-    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
-    names = ("input", "output", "zeros", "poles", "integrators")
-    add_options(command, TransferFunctionQuery, *names)
-    without: dict[str, Any] = {"dest": "delay", "default": argparse.SUPPRESS}
-    option("--no-delay", action="store_false", help="without an equivalent delay", **without)
-    option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
-
-
-def _add_output_only_options(command: argparse.ArgumentParser) -> None:
-    from flexsid.cli.options import add_options
-    from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
-
-    option = command.add_argument
-    meaning = "ids of maneuvers, each identified separately"
-    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
-    meaning = "frequencies of the modes [Hz]; default: 1 Hz to 0.4 of the sample rate"
-    option("--band", metavar="LOW,HIGH", help=meaning)
-    add_options(command, OutputOnlyQuery, "start_s", "stop_s", "outputs")
 
 
 def _add_grey_box_options(command: argparse.ArgumentParser) -> None:
@@ -598,16 +568,6 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
     option("--store-prediction", metavar="NAME", help=meaning)
     meaning = "value of every variable, in SI; default: mean condition of the runs"
     option("--condition", nargs="+", type=float, default=(), metavar="VALUE", help=meaning)
-
-
-def _add_predicted_flutter_options(command: argparse.ArgumentParser) -> None:
-    from flexsid.cli.options import add_options
-    from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
-
-    meaning = "id of the prediction"
-    command.add_argument("prediction_id", type=int, metavar="PREDICTION", help=meaning)
-    names = ("axis", "fuel", "density_kg_m3", "from_m_s", "to_m_s")
-    add_options(command, PredictedFlutterQuery, *names)
 
 
 def _add_validation_options(command: argparse.ArgumentParser) -> None:

@@ -18,20 +18,15 @@ from flexsid.cli.output import (
     print_error,
     print_next_result,
     print_result,
-    read_structure,
-    set_axis,
 )
-from flexsid.cli.runs import report_progress
+from flexsid.cli.runs import compute_result, read_structure, report_progress, set_axis
 from flexsid.errors import BadInput
 from flexsid.jobs.dispatcher import execute_job, execute_request
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import (
     AMPLITUDE_COMPARISON,
     CROSS_PREDICTION,
     CROSS_VALIDATION,
     FLUTTER,
-    POSTERIOR,
-    PREDICTED_FLUTTER,
     PREDICTION,
     SEARCH,
     list_compared_levels,
@@ -43,20 +38,16 @@ from flexsid.records.validation import (
     CrossPredictionMatrix,
     CrossValidationSummary,
     Partition,
-    PosteriorCheck,
     RepeatedLevels,
 )
 from flexsid.settings import Settings
-from flexsid.storage.store import Store
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
 from flexsid.workflow.flutter.flutter_models import build_approved_query
-from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.modal_data.computed_predictions import PredictionRequest, check_prediction
 from flexsid.workflow.structure_determination import searches
 from flexsid.workflow.validation.amplitude_comparison import AmplitudeComparisonQuery
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
-from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
 # --- Command ``flexsid flutter``: flutter prediction from runs ------------------------------------
 
@@ -69,27 +60,11 @@ def predict_flutter(settings: Settings, arguments: argparse.Namespace) -> int:
             query = build_approved_query(store, arguments.aircraft, arguments.axis, **given)
         else:
             query = FlutterQuery(run_ids=parse_list(arguments.runs, int, "RUNS"), **given)
-        execute_request(store, FLUTTER, query, report_progress)
-        prediction = get_result(store, FLUTTER, query).flutter
+        prediction = compute_result(store, FLUTTER, query).flutter
     lines = [prediction.test_point_margin, prediction.sentence]
     for structure in prediction.structures:
         lines.append(f"modes {' '.join(map(str, structure.modes))}: {structure.sentence}")
     print_result(lines, prediction, as_json=arguments.json)
-    return 0
-
-
-def predict_of_prediction(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Print the flutter speed of the derivatives of a prediction alone."""
-    query = PredictedFlutterQuery(**read_options(PredictedFlutterQuery, arguments))
-    with open_store(settings) as store:
-        execute_request(store, PREDICTED_FLUTTER, query, report_progress)
-        found = get_result(store, PREDICTED_FLUTTER, query).flutter
-    at = f"{found.source}: fuel {found.fuel_fraction:g}, {found.density_kg_m3:.4g} kg/m3"
-    lines = [f"{at}, {found.searched_from_m_s:.4g} to {found.searched_to_m_s:.4g} m/s"]
-    lines.append(found.sentence)
-    if found.reduced_frequency is not None:
-        lines.append(f"reduced frequency of flutter: {found.reduced_frequency:.3g}")
-    print_result(lines, found, as_json=arguments.json)
     return 0
 
 
@@ -213,28 +188,17 @@ def validate(settings: Settings, arguments: argparse.Namespace) -> int:
     with open_store(settings) as store:
         if arguments.hold_out is None:
             given = read_options(CrossPredictionQuery, arguments)
-            matrix = _predict(store, CrossPredictionQuery(run_ids=run_ids, **given))
+            matrix = compute_result(
+                store, CROSS_PREDICTION, CrossPredictionQuery(run_ids=run_ids, **given)
+            )
             print_result(_format_matrix(matrix), matrix, as_json=arguments.json)
             return 0
         given = read_options(CrossValidationQuery, arguments)
         given["partition"] = Partition(arguments.hold_out)
         for number in run_ids:
             query = CrossValidationQuery(run_id=number, **given)
-            execute_request(store, CROSS_VALIDATION, query, report_progress)
-            found = get_result(store, CROSS_VALIDATION, query).summary
+            found = compute_result(store, CROSS_VALIDATION, query).summary
             lines = "\n".join(_format_validation(found))
-            print_next_result(lines, found, as_json=arguments.json)
-    return 0
-
-
-def check_posterior(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Print the posterior of runs against their standard errors."""
-    with open_store(settings) as store:
-        for number in parse_list(arguments.runs, int, "RUNS"):
-            query = PosteriorQuery(run_id=number)
-            execute_request(store, POSTERIOR, query, report_progress)
-            found = get_result(store, POSTERIOR, query)
-            lines = "\n".join(_format_posterior(found))
             print_next_result(lines, found, as_json=arguments.json)
     return 0
 
@@ -252,15 +216,9 @@ def compare_amplitudes(settings: Settings, arguments: argparse.Namespace) -> int
             )
             return 0
         query = AmplitudeComparisonQuery(run_ids=parse_list(arguments.runs, int, "RUNS"))
-        execute_request(store, AMPLITUDE_COMPARISON, query, report_progress)
-        found = get_result(store, AMPLITUDE_COMPARISON, query)
+        found = compute_result(store, AMPLITUDE_COMPARISON, query)
     print_result(_format_amplitudes(found), found, as_json=arguments.json)
     return 0
-
-
-def _predict(store: Store, query: CrossPredictionQuery) -> CrossPredictionMatrix:
-    execute_request(store, CROSS_PREDICTION, query, report_progress)
-    return get_result(store, CROSS_PREDICTION, query)
 
 
 def _format_matrix(matrix: CrossPredictionMatrix) -> list[str]:
@@ -288,18 +246,6 @@ def _format_validation(found: CrossValidationSummary) -> list[str]:
         lines.append(
             f"  {one.output:<16}{one.r_squared:>10.3f}{one.fitted_r_squared:>12.3f}"
             f"{one.theil:>10.3f}{one.fitted_theil:>12.3f}"
-        )
-    return lines
-
-
-def _format_posterior(found: PosteriorCheck) -> list[str]:
-    lines = [f"run {found.run_id}: {found.sentence}"]
-    lines.append(f"  {'quantity':<32}{'value':>12}{'low':>12}{'high':>12}{'ratio':>8}{'R-hat':>8}")
-    flutter = () if found.flutter is None else (found.flutter,)
-    for one in (*found.parameters, *found.poles, *flutter):
-        lines.append(
-            f"  {one.name:<32}{one.value:>12.5g}{one.low:>12.5g}{one.high:>12.5g}"
-            f"{one.ratio:>8.2f}{one.scale_reduction:>8.3f}"
         )
     return lines
 

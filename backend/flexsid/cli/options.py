@@ -3,16 +3,59 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import MISSING
 from enum import Enum
 from functools import partial
 from types import NoneType
 from typing import Any, get_args, get_origin
 
-from flexsid.cli.output import parse_list
+from flexsid.cli.output import parse_band, parse_list
+from flexsid.errors import BadInput
 from flexsid.request_models import RequestField, list_alternatives, list_fields, unwrap
 from flexsid.units import SI_UNITS, find_unit_suffix
+
+_BAND = ("low_hz", "high_hz")
+
+
+def add_request(command: argparse.ArgumentParser, request: type) -> None:
+    """Add the arguments of a request: ids of its first field, and an option for each other.
+
+    Maneuvers are the option ``--maneuver``, and the limits of a band are ``--band``.
+    """
+    first, *others = (one.name for one in list_fields(request))
+    record = re.sub("_ids?$", "", first)
+    meaning = f"ids of {record}s" + ("" if first.endswith("s") else ", each computed separately")
+    flag = "--maneuver" if record == "maneuver" else first
+    form: dict[str, Any] = {"type": partial(parse_list, kind=int, option=flag), "help": meaning}
+    if flag == first:
+        command.add_argument(first, metavar=f"{record},{record}".upper(), **form)
+    else:
+        command.add_argument(flag, dest=first, required=True, metavar="ID,ID", **form)
+    add_options(command, request, *(name for name in others if name not in _BAND))
+    if set(_BAND) <= set(others):
+        meaning = "frequencies to use [Hz]"
+        command.add_argument("--band", type=parse_band, metavar="LOW,HIGH", help=meaning)
+
+
+def read_requests(request: type, arguments: argparse.Namespace) -> Iterator[Any]:
+    """Yield the request of each id that was given, or that of all together.
+
+    Raises
+    ------
+    BadInput
+        If no id is given, or a value is not allowed.
+    """
+    first = next(list_fields(request)).name
+    given = read_options(request, arguments)
+    if getattr(arguments, "band", None):
+        given |= zip(_BAND, arguments.band, strict=True)
+    ids = given.pop(first)
+    if not ids:
+        raise BadInput(f"no {re.sub('_ids?$', '', first)} is given")
+    for one in [ids] if first.endswith("s") else ids:
+        yield request(**given, **{first: one})
 
 
 def add_options(command: argparse.ArgumentParser, request: type, *names: str) -> None:
@@ -35,6 +78,9 @@ def add_options(command: argparse.ArgumentParser, request: type, *names: str) ->
             form = _describe_list(_find_item(kind), flag)
         elif kind is bool:
             form = {"action": "store_true"}
+            if field.default:
+                form = {"action": "store_false", "help": f"without {stem.replace('_', ' ')}"}
+                flag = flag.replace("--", "--no-")
         elif issubclass(kind, Enum) or "choices" in field.rules:
             form = {"choices": field.rules.get("choices") or [one.value for one in kind]}
         elif kind is not str:
@@ -44,7 +90,7 @@ def add_options(command: argparse.ArgumentParser, request: type, *names: str) ->
             dest=name,
             default=argparse.SUPPRESS,
             required=field.default is MISSING,
-            help=_describe(field),
+            help=form.pop("help", _describe(field)),
             **form,
         )
 

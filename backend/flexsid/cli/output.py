@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
 import orjson
 
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.records.decision import Structure
-from flexsid.storage.store import Store
-from flexsid.workflow.aircraft.axes import find_body
 
 # --- Output of the commands: text or JSON on standard output, progress on standard error ----------
 
@@ -149,23 +144,3 @@ def parse_band(text: str | None) -> tuple[float, float] | None:
     if len(limits) != 2:
         raise BadInput(f"--band is {text!r}; expected two frequencies, e.g. 0.5,12")
     return limits[0], limits[1]
-
-
-def read_structure(arguments: argparse.Namespace, extra_parameters: str = "") -> Structure:
-    """Read the options that describe a model structure."""
-    free = arguments.free
-    return Structure(
-        modes=parse_list(arguments.modes or "", int, "--modes"),
-        inputs=parse_list(arguments.inputs, str, "--inputs"),
-        outputs=parse_list(arguments.outputs, str, "--outputs"),
-        free=None if free is None else parse_list(free, str, "--free"),
-        fixed={},
-        free_delays=arguments.free_delays,
-        extra_parameters=parse_list(extra_parameters, str, "--extra-parameters"),
-    )
-
-
-def set_axis(store: Store, structure: Structure, maneuver_id: int, axis: str | None) -> Structure:
-    """Set the axis of a model structure, by default that of the maneuver it is fitted to."""
-    own = store.maneuvers.get(maneuver_id).axis if axis is None else axis
-    return replace(structure, axis=find_body(own).axis)

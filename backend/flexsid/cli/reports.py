@@ -11,12 +11,10 @@ from flexsid import reports
 from flexsid.cli.administration import open_store
 from flexsid.cli.options import read_options
 from flexsid.cli.output import parse_list, print_result, print_written_file, write_file
-from flexsid.cli.runs import report_progress
+from flexsid.cli.runs import compute_result
 from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem, show_in
 from flexsid.errors import BadInput
 from flexsid.figures.spec import PrintFormat
-from flexsid.jobs.dispatcher import execute_request
-from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, GLOBAL_MODEL
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.records.search import IdentifiedDerivative
@@ -104,12 +102,12 @@ def _report_stability(
         raise BadInput(f"give ids of runs, e.g. flexsid report {arguments.kind} 1,2,3 --output ...")
     query = FlutterQuery(run_ids=run_ids, **read_options(FlutterQuery, arguments))
     if arguments.kind == "flutter":
-        execute_request(store, FLUTTER, query, report_progress)
+        compute_result(store, FLUTTER, query)
         return reports.flutter_report(store, query)
     if arguments.controller is None:
         raise BadInput("a closed loop needs a controller; give --controller ID")
     loop = ClosedLoopQuery(flutter=query, controller_id=arguments.controller)
-    execute_request(store, CLOSED_LOOP, loop, report_progress)
+    compute_result(store, CLOSED_LOOP, loop)
     return reports.closed_loop_report(store, loop)
 
 
@@ -150,8 +148,7 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
         **read_options(GlobalModelQuery, arguments),
     )
     with open_store(settings) as store:
-        execute_request(store, GLOBAL_MODEL, query, report_progress)
-        result = get_result(store, GLOBAL_MODEL, query)
+        result = compute_result(store, GLOBAL_MODEL, query)
         summary, lines = result.summary, _format(result.summary)
         if arguments.store_prediction is not None:
             name = arguments.store_prediction

@@ -12,13 +12,12 @@ from flexsid.cli.output import (
     print_error,
     print_next_result,
     print_result,
-    read_structure,
-    set_axis,
     show_count,
     show_progress,
 )
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.jobs.dispatcher import execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
+from flexsid.jobs.kind import Kind, Request, Result, get_result
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
 from flexsid.records.run import (
@@ -36,6 +35,7 @@ from flexsid.settings import Settings
 from flexsid.storage.jobs import batches
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
+from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -197,6 +197,38 @@ def report_progress(progress: Progress) -> None:
     """Show the progress of a fit."""
     cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
     show_progress(f"{progress.message:<40} {cost:<24}")
+
+
+def compute_result(store: Store, kind: Kind[Request, Result], request: Request) -> Result:
+    """Return the stored result of a request, computed first unless an equal one has succeeded.
+
+    Raises
+    ------
+    BadInput, UnknownRecord, Conflict
+        As ``get_result``.
+    """
+    execute_request(store, kind, request, report_progress)
+    return get_result(store, kind, request)
+
+
+def read_structure(arguments: argparse.Namespace, extra_parameters: str = "") -> Structure:
+    """Read the options that describe a model structure."""
+    free = arguments.free
+    return Structure(
+        modes=parse_list(arguments.modes or "", int, "--modes"),
+        inputs=parse_list(arguments.inputs, str, "--inputs"),
+        outputs=parse_list(arguments.outputs, str, "--outputs"),
+        free=None if free is None else parse_list(free, str, "--free"),
+        fixed={},
+        free_delays=arguments.free_delays,
+        extra_parameters=parse_list(extra_parameters, str, "--extra-parameters"),
+    )
+
+
+def set_axis(store: Store, structure: Structure, maneuver_id: int, axis: str | None) -> Structure:
+    """Set the axis of a model structure, by default that of the maneuver it is fitted to."""
+    own = store.maneuvers.get(maneuver_id).axis if axis is None else axis
+    return replace(structure, axis=find_body(own).axis)
 
 
 # --- Command ``flexsid template``: settings of runs under a name ----------------------------------

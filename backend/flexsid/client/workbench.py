@@ -690,7 +690,11 @@ class Workbench:
         return self.compute("cross-validations", run_id=run_id, partition=partition, folds=folds)
 
     def compute(self, path: str, **query: Any) -> dict[str, Any]:
-        """Request a result, wait for its job and return it; an equal request is one job."""
+        """Request the result of any analysis, wait for its job and return it.
+
+        An equal request is one job. ``compute("posterior-checks", run_id=1)`` is the result of
+        ``GET /posterior-checks``, whose parameters are those of the interface.
+        """
         self.wait(self.post(f"{path}/results", None, **query)["id"])
         return self.get(path, **query)
 

@@ -334,7 +334,8 @@ def execute_request(
     known = queue.find_equal(store, job.request_hash)
     if known is not None and known.state is RunState.SUCCEEDED:
         return known
-    return execute_job(store, kind, lambda: queue.add_job(store, job).id or 0, report)
+    titled = replace(job, title=kind.describe(store, request))
+    return execute_job(store, kind, lambda: queue.add_job(store, titled).id or 0, report)
 
 
 def execute_job(

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, Generic, TypeVar, get_type_hints
 
 from flexsid.errors import Conflict
 from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
 from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.request_models import check_request
+from flexsid.storage.copies.snapshot import open_snapshot, take_snapshot
 from flexsid.storage.encoding import decode, describe_type, encode
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.jobs import queue
 from flexsid.storage.repository import read_once, reading_once
 from flexsid.storage.store import Store
+from flexsid.text import count_noun
 from flexsid.workflow.fits.estimation_task import METHODS, read_versions
 
 _log = logging.getLogger(__name__)
@@ -52,6 +55,35 @@ def save_records(add: Save) -> Save:
     return save
 
 
+@dataclass(frozen=True, slots=True)
+class SnapshotTask:
+    """Request with all records that its computation needs."""
+
+    snapshot: bytes
+    request: Any
+
+
+def send_records(store: Store, job: Job, request: Any) -> SnapshotTask:
+    """Return a request with the maneuvers, runs and designs that its fields name."""
+    named = (_list_ids(request, record) for record in ("maneuver", "run", "design"))
+    return SnapshotTask(take_snapshot(store, *named), request)
+
+
+def _list_ids(request: Any, record: str) -> tuple[int, ...]:
+    """List the ids of records of a kind: runs are named ``run_ids``, ``other_run_id`` and so on."""
+    names = [one.name for one in fields(request)]
+    given = [getattr(request, one) for one in names if re.search(rf"(^|_){record}_ids?$", one)]
+    parts = (one if isinstance(one, tuple) else (one,) for one in given if one is not None)
+    return tuple(number for part in parts for number in part)
+
+
+def in_snapshot(
+    compute: Callable[[Store, Any, ReportProgress], Any],
+) -> Callable[[SnapshotTask, ReportProgress], Any]:
+    """Return the computation of a task from that of its request in a store."""
+    return lambda task, report: compute(open_snapshot(task.snapshot), task.request, report)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kind(Generic[Request, Result]):
     """A kind of job; a worker calls only ``compute``.
@@ -65,7 +97,8 @@ class Kind(Generic[Request, Result]):
     request
         Type of the request in the table.
     prepare
-        Reads the store for a job with its request, and returns a task that can be pickled.
+        Reads the store for a job with its request, and returns a task that can be pickled; by
+        default the request with the records that it names, for ``in_snapshot``.
     compute
         Pure function of the task, which reports its progress.
     save
@@ -76,6 +109,8 @@ class Kind(Generic[Request, Result]):
     identify
         Checks a request, and returns all records on which the result depends; None for kinds
         whose result is never that of an earlier request.
+    describe
+        Returns the title of the job of a request that is given none.
     priority
         Jobs of higher priority start first.
     usual_s
@@ -89,11 +124,12 @@ class Kind(Generic[Request, Result]):
     name: str
     label: str
     request: type[Request]
-    prepare: Callable[[Store, Job, Request], Any]
     compute: Callable[[Any, ReportProgress], Any]
+    prepare: Callable[[Store, Job, Request], Any] = send_records
     save: Save = save_result
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
+    describe: Callable[[Store, Request], str] = lambda store, request: ""
     priority: int = 0
     usual_s: float | None = None
     page: str = ""
@@ -137,9 +173,31 @@ def fail_job(store: Store, job: Job, failure: FailedMessage) -> None:
     queue.fail(store, job.id, job.attempt, failure.code, failure.message, failure.worker or None)
 
 
+_NAMES: dict[str, Callable[[Store, int], str]] = {
+    "design": lambda store, number: store.designs.get(number).name,
+    "maneuver": lambda store, number: store.maneuvers.get(number).label,
+    "prediction": lambda store, number: store.predictions.get(number).source,
+    "responses": lambda store, number: store.measured_responses.get(number).name,
+    "run": lambda store, number: f"run {number}",
+}
+
+
+def describe_records(store: Store, request: Any) -> str:
+    """Return the name of the record of a request, or their number: those of its first field."""
+    name = fields(request)[0].name
+    value = getattr(request, name)
+    if is_dataclass(value):
+        return describe_records(store, value)
+    record = re.sub("_ids?$", "", name)
+    numbers = value if isinstance(value, tuple) else (value,)
+    if len(numbers) != 1:
+        return count_noun(len(numbers), record)
+    return _NAMES[record](store, *numbers)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Analysis(Kind[Request, Result]):
-    """A kind of job whose result is stored, with its routes: all doors read it.
+    """A kind of job whose result is stored, with all its doors, which read this value.
 
     Requesting it needs the permission of an analyst, reading it that of a viewer.
 
@@ -148,24 +206,48 @@ class Analysis(Kind[Request, Result]):
     path
         Address of the result below that of the interface; ids of the request are in braces, and
         all other fields in the query.
-    noun
-        The routes are ``request_{noun}``, ``get_{noun}_job`` and ``get_{noun}``.
-    describe
-        Returns the title of the job of a request.
-    response
-        Type that ``GET`` of the address returns; None where a route of its own does.
-    show
-        Returns that from the result in the table.
+    tag
+        Group of its routes in the documentation.
     about
-        Description of ``GET``.
+        What ``GET`` of the address returns and the command prints, a sentence that continues
+        "Return the stored", and remarks after it; empty where the result has routes of its own.
+    shows
+        Field of the result that is returned; the whole result by default.
+    noun
+        The routes are ``request_{noun}``, ``get_{noun}_job`` and ``get_{noun}``; the name by
+        default.
+    command
+        Command line of its own, with the options of the request; without one by default.
+    example
+        Parameters of a request of the demonstration that differ from those usual for their names.
     """
 
     path: str
-    noun: str
-    describe: Callable[[Store, Request], str]
-    response: type | None = None
-    show: Callable[[Result], object] = lambda result: result
+    tag: str
     about: str = ""
+    shows: str = ""
+    noun: str = ""
+    describe: Callable[[Store, Request], str] = describe_records
+    command: str = ""
+    example: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Name the routes."""
+        object.__setattr__(self, "noun", self.noun or self.name.replace("-", "_"))
+
+    @property
+    def response(self) -> Any:
+        """Type of what is returned."""
+        return get_type_hints(self.result)[self.shows] if self.shows else self.result
+
+    def show(self, result: Result) -> object:
+        """Return what is returned of a result."""
+        return getattr(result, self.shows) if self.shows else result
+
+    @property
+    def reading_routes(self) -> tuple[str, ...]:
+        """Names of the routes that find its job and return its result."""
+        return (f"get_{self.noun}_job", *((f"get_{self.noun}",) if self.about else ()))
 
 
 Kinds = Mapping[str, Kind[Any, Any]]
@@ -205,7 +287,7 @@ def submit(
 ) -> Job:
     """Queue a job, or return that of an equal request that has not failed.
 
-    An analysis without title gets that of its kind.
+    A job without title gets that of its kind.
 
     Raises
     ------
@@ -213,8 +295,7 @@ def submit(
         As ``build_job``.
     """
     job = build_job(store, kind, request, author, title)
-    if not title and isinstance(kind, Analysis):
-        job = replace(job, title=kind.describe(store, request))
+    job = replace(job, title=title or kind.describe(store, request))
     with store.database.transaction() as connection:
         store.database.lock_writers(connection)
         return queue.find_equal(store, job.request_hash) or queue.add_job(store, job)

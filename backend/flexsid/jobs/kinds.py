@@ -2,50 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 from flexsid.errors import FlexsidError, UnknownRecord
-from flexsid.jobs.kind import Analysis, Kind, Kinds, get_result, save_records
+from flexsid.jobs.kind import (
+    Analysis,
+    Kind,
+    Kinds,
+    SnapshotTask,
+    get_result,
+    in_snapshot,
+    save_records,
+)
 from flexsid.records.condition_sheet import ConditionSheet
 from flexsid.records.flutter import (
     ClosedLoop,
     Flutter,
     FlutterResult,
-    PredictedFlutter,
     PredictedFlutterResult,
 )
-from flexsid.records.global_model import GlobalModelResult, GlobalModelSummary
+from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.grey_box import GreyBoxFit
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.quality import CompatibilityReport
-from flexsid.records.run import ReportProgress, RunState
+from flexsid.records.run import RunState
 from flexsid.records.validation import (
     AerodynamicsComparison,
     AmplitudeComparison,
     CrossPredictionMatrix,
     CrossValidation,
-    CrossValidationSummary,
     PosteriorCheck,
     RepeatedLevels,
 )
 from flexsid.records.views import (
     OutputOnlyResult,
     Reconstruction,
-    TransferFunction,
     TransferFunctionResult,
 )
 from flexsid.storage.copies import backup
-from flexsid.storage.copies.snapshot import open_snapshot, take_snapshot
+from flexsid.storage.copies.snapshot import take_snapshot
 from flexsid.storage.jobs import queue
 from flexsid.storage.jobs.batches import find_derived_runs
 from flexsid.storage.lists.run_list import ESTIMATION
 from flexsid.storage.store import Store
-from flexsid.text import count_noun
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
     classic_inputs,
@@ -102,29 +104,6 @@ class EstimationRequest:
     """Empty: the request of an estimation is its run, which has the id of the job."""
 
 
-@dataclass(frozen=True, slots=True)
-class SnapshotTask:
-    """Request with all records that its computation needs."""
-
-    snapshot: bytes
-    request: Any
-
-
-def _in_snapshot(
-    compute: Callable[[Store, Any, ReportProgress], Any],
-) -> Callable[[SnapshotTask, ReportProgress], Any]:
-    """Return the computation of a task from that of its request in a store."""
-    return lambda task, report: compute(open_snapshot(task.snapshot), task.request, report)
-
-
-def _send_run(store: Store, job: Job, query: Any) -> SnapshotTask:
-    return SnapshotTask(take_snapshot(store, run_ids=(query.run_id,)), query)
-
-
-def _send_runs(store: Store, job: Job, query: Any) -> SnapshotTask:
-    return SnapshotTask(take_snapshot(store, run_ids=query.run_ids), query)
-
-
 def _send_fused_runs(store: Store, job: Job, query: Any) -> SnapshotTask:
     run_ids = (*query.run_ids, *find_derived_runs(store, query.run_ids))
     return SnapshotTask(take_snapshot(store, run_ids=run_ids), query)
@@ -135,22 +114,6 @@ def _send_predicted_maneuvers(
 ) -> SnapshotTask:
     maneuver_ids = cross_prediction.list_maneuver_ids(store, query)
     return SnapshotTask(take_snapshot(store, maneuver_ids, query.run_ids), query)
-
-
-def _send_maneuver(store: Store, job: Job, query: Any) -> SnapshotTask:
-    return SnapshotTask(take_snapshot(store, maneuver_ids=(query.maneuver_id,)), query)
-
-
-def _send_maneuvers(
-    store: Store, job: Job, query: compatibility.CompatibilityQuery
-) -> SnapshotTask:
-    return SnapshotTask(take_snapshot(store, maneuver_ids=query.maneuver_ids), query)
-
-
-def _send_design(store: Store, job: Job, query: Any) -> SnapshotTask:
-    runs = (query.run_id, getattr(query, "other_run_id", None))
-    run_ids = tuple(number for number in runs if number is not None)
-    return SnapshotTask(take_snapshot(store, (), run_ids, (query.design_id,)), query)
 
 
 def _identify_reconstruction(
@@ -178,28 +141,6 @@ def _identify_output_only(
 def _identify_grey_box(store: Store, query: grey_box_fits.GreyBoxQuery) -> tuple[object, ...]:
     code = grey_box_fits.identify_grey_box(store, query)
     return (*code, *list_run_contents(store, (), (query.maneuver_id,)))
-
-
-def _count_runs(store: Store, query: Any) -> str:
-    return count_noun(len(query.run_ids), "run")
-
-
-def _name_run(store: Store, query: Any) -> str:
-    return f"run {query.run_id}"
-
-
-def _name_design(store: Store, query: Any) -> str:
-    return store.designs.get(query.design_id).name
-
-
-def _name_maneuver(store: Store, query: Any) -> str:
-    return store.maneuvers.get(query.maneuver_id).label
-
-
-def _name_maneuvers(store: Store, query: compatibility.CompatibilityQuery) -> str:
-    if len(query.maneuver_ids) == 1:
-        return store.maneuvers.get(query.maneuver_ids[0]).label
-    return count_noun(len(query.maneuver_ids), "maneuver")
 
 
 RUN = Kind(
@@ -238,8 +179,7 @@ SIMULATION = Kind(
     name="preflight-simulation",
     label="Pre-flight simulation",
     request=preflight_simulation.SimulationRequest,
-    prepare=_send_design,
-    compute=_in_snapshot(preflight_simulation.simulate_design),
+    compute=in_snapshot(preflight_simulation.simulate_design),
     save=save_records(preflight_simulation.store_simulation),
     page="/excitation/{design_id}",
 )
@@ -249,16 +189,15 @@ FLUTTER = Analysis(
     usual_s=22.0,
     request=flutter_models.FlutterQuery,
     prepare=_send_fused_runs,
-    compute=_in_snapshot(flutter_analysis.compute_flutter),
+    compute=in_snapshot(flutter_analysis.compute_flutter),
     save=save_records(flutter_analysis.store_flutter),
     result=FlutterResult,
     identify=flutter_models.identify_query,
     path="/flutter",
+    tag="flutter",
     noun="flutter",
-    describe=_count_runs,
-    response=Flutter,
-    show=attrgetter("flutter"),
-    about="Return the stored flutter speed of these runs, with its confidence interval.",
+    shows="flutter",
+    about="flutter speed of these runs, with its confidence interval.",
     page=(
         "/flutter?runs={run_ids}&fuel={fuel:percent}&altitude={altitude_m}"
         "&unmodelled_modes={unmodelled_modes}&variation={variation}&next={next_m_s}"
@@ -273,27 +212,23 @@ PREDICTED_FLUTTER = Analysis(
     result=PredictedFlutterResult,
     identify=of_prediction.identify_predicted_flutter,
     path="/flutter/predicted",
-    noun="predicted_flutter",
-    describe=lambda store, query: store.predictions.get(query.prediction_id).source,
-    response=PredictedFlutter,
-    show=attrgetter("flutter"),
-    about="""
-    Return the stored flutter speed of a prediction alone, by p-k and by rational functions.
-    """,
+    tag="flutter",
+    shows="flutter",
+    about="flutter speed of a prediction alone, by p-k and by rational functions.",
     page="/flutter?prediction={prediction_id}",
+    command="predicted-flutter",
 )
 CLOSED_LOOP = Analysis(
     name="closed-loop",
     label="Closed-loop stability",
     request=closed_loop.ClosedLoopQuery,
     prepare=_send_fused_runs,
-    compute=_in_snapshot(closed_loop.compute_closed_loop),
+    compute=in_snapshot(closed_loop.compute_closed_loop),
     save=save_records(closed_loop.store_closed_loop),
     result=ClosedLoop,
     identify=closed_loop.identify_closed_loop,
     path="/closed-loop",
-    noun="closed_loop",
-    describe=lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
+    tag="closed-loop",
     page=(
         "/flutter?tab=closed-loop&runs={flutter.run_ids}&fuel={flutter.fuel:percent}"
         "&altitude={flutter.altitude_m}&unmodelled_modes={flutter.unmodelled_modes}"
@@ -309,12 +244,10 @@ GLOBAL_MODEL = Analysis(
     result=GlobalModelResult,
     identify=estimates.identify_global_model,
     path="/global-models",
-    noun="global_model",
-    describe=_count_runs,
-    response=GlobalModelSummary,
-    show=attrgetter("summary"),
+    tag="global model",
+    shows="summary",
     about="""
-    Return the stored global model of these runs: derivatives, scores and outlying runs.
+    global model of these runs: derivatives, scores and outlying runs.
 
     The figures ``global-slice`` and ``global-coverage`` have its values over the envelope.
     """,
@@ -325,14 +258,13 @@ CROSS_PREDICTION = Analysis(
     label="Cross-prediction",
     request=cross_prediction.CrossPredictionQuery,
     prepare=_send_predicted_maneuvers,
-    compute=_in_snapshot(cross_prediction.compute_cross_predictions),
+    compute=in_snapshot(cross_prediction.compute_cross_predictions),
     result=CrossPredictionMatrix,
     identify=cross_prediction.identify_cross_prediction,
     path="/cross-predictions",
+    tag="validation",
     noun="cross_predictions",
-    describe=_count_runs,
-    response=CrossPredictionMatrix,
-    about=("Return the stored fit of the outputs of maneuvers, predicted by the models of runs."),
+    about="fit of the outputs of maneuvers, predicted by the models of runs.",
     page="/compare?tab=validation&runs={run_ids}&maneuvers={maneuver_ids}",
 )
 CROSS_VALIDATION = Analysis(
@@ -340,17 +272,14 @@ CROSS_VALIDATION = Analysis(
     label="Cross-validation",
     usual_s=21.0,
     request=cross_validation.CrossValidationQuery,
-    prepare=_send_run,
-    compute=_in_snapshot(cross_validation.cross_validate),
+    compute=in_snapshot(cross_validation.cross_validate),
     result=CrossValidation,
     identify=cross_validation.identify_cross_validation,
     path="/cross-validations",
-    noun="cross_validation",
-    describe=_name_run,
-    response=CrossValidationSummary,
-    show=attrgetter("summary"),
+    tag="validation",
+    shows="summary",
     about="""
-    Return the stored fit of held-out data of a run, predicted by refits to the others.
+    fit of held-out data of a run, predicted by refits to the others.
 
     The figures ``held-out`` and ``held-out-residual`` have the spectra.
     """,
@@ -360,75 +289,60 @@ AERODYNAMICS = Analysis(
     name="aerodynamics-comparison",
     label="Comparison of aerodynamics",
     request=aerodynamics_comparison.AerodynamicsQuery,
-    prepare=_send_run,
-    compute=_in_snapshot(aerodynamics_comparison.compare_aerodynamics),
+    compute=in_snapshot(aerodynamics_comparison.compare_aerodynamics),
     result=AerodynamicsComparison,
     identify=aerodynamics_comparison.identify_aerodynamics,
     path="/aerodynamics-comparisons",
-    noun="aerodynamics_comparison",
-    describe=_name_run,
-    response=AerodynamicsComparison,
-    about=("Return the stored verdict between quasi-steady and shaped derivatives for a run."),
+    tag="validation",
+    about="verdict between quasi-steady and shaped derivatives for a run.",
     page="/runs/{run_id}?tab=checks#aerodynamics",
 )
 POSTERIOR = Analysis(
     name="posterior-check",
     label="Posterior check",
     request=posterior_check.PosteriorQuery,
-    prepare=_send_run,
-    compute=_in_snapshot(posterior_check.check_posterior),
+    compute=in_snapshot(posterior_check.check_posterior),
     result=PosteriorCheck,
     identify=posterior_check.identify_posterior,
     path="/posterior-checks",
-    noun="posterior_check",
-    describe=_name_run,
-    response=PosteriorCheck,
-    about="Return the stored posterior of an output-error run, against its standard errors.",
+    tag="validation",
+    about="posterior of an output-error run, against its standard errors.",
     page="/runs/{run_id}?tab=checks#posterior",
+    command="posterior",
 )
 AMPLITUDE_COMPARISON = Analysis(
     name="amplitude-comparison",
     label="Comparison of amplitudes",
     request=amplitude_comparison.AmplitudeComparisonQuery,
-    prepare=_send_runs,
-    compute=_in_snapshot(amplitude_comparison.compare_amplitudes),
+    compute=in_snapshot(amplitude_comparison.compare_amplitudes),
     result=AmplitudeComparison,
     identify=amplitude_comparison.identify_amplitude_comparison,
     path="/amplitude-comparisons",
-    noun="amplitude_comparison",
-    describe=_count_runs,
-    response=AmplitudeComparison,
-    about="""
-    Return the stored tests of equal linear models at several amplitudes, by output-error runs.
-    """,
+    tag="validation",
+    about="tests of equal linear models at several amplitudes, by output-error runs.",
     page="/compare?tab=trends&runs={run_ids}#amplitudes",
 )
 PREDICTED_ACCURACY = Analysis(
     name="predicted-accuracy",
     label="Predicted accuracy",
     request=predicted_accuracy.DesignQuery,
-    prepare=_send_design,
-    compute=_in_snapshot(predicted_accuracy.predict_accuracy),
+    compute=in_snapshot(predicted_accuracy.predict_accuracy),
     result=predicted_accuracy.PredictedAccuracy,
     identify=predicted_accuracy.identify_design_query,
     path="/designs/{design_id}/predicted-accuracy",
-    noun="predicted_accuracy",
-    describe=_name_design,
+    tag="designs",
     page="/excitation/{design_id}",
 )
 INPUT_COMPARISON = Analysis(
     name="input-comparison",
     label="Comparison with classic inputs",
     request=predicted_accuracy.DesignQuery,
-    prepare=_send_design,
-    compute=_in_snapshot(classic_inputs.compare_inputs),
+    compute=in_snapshot(classic_inputs.compare_inputs),
     result=classic_inputs.InputComparison,
     identify=predicted_accuracy.identify_design_query,
     path="/designs/{design_id}/classic-inputs",
-    noun="input_comparison",
-    describe=_name_design,
-    response=classic_inputs.InputComparison,
-    about=("Return the stored comparison with doublets, 3-2-1-1s and sweeps of equal limits."),
+    tag="designs",
+    about="comparison with doublets, 3-2-1-1s and sweeps of equal limits.",
     page="/excitation/{design_id}",
 )
 AMPLITUDES = Analysis(
@@ -436,16 +350,14 @@ AMPLITUDES = Analysis(
     label="Amplitude optimisation",
     usual_s=27.0,
     request=amplitude_optimisation.AmplitudeQuery,
-    prepare=_send_design,
-    compute=_in_snapshot(amplitude_optimisation.optimise_amplitudes),
+    compute=in_snapshot(amplitude_optimisation.optimise_amplitudes),
     result=amplitude_optimisation.OptimisedAmplitudes,
     identify=predicted_accuracy.identify_design_query,
     path="/designs/{design_id}/amplitudes",
+    tag="designs",
     noun="amplitudes",
-    describe=_name_design,
-    response=amplitude_optimisation.OptimisedAmplitudes,
     about="""
-    Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
+    amplitudes of minimax relative standard error, and D-optimal ones.
 
     Limits: largest deflection of any surface [rad], its rate [rad/s] and load factor [g],
     feedback included; if omitted, those of the design. ``levels`` are amplitudes by airspeed
@@ -457,17 +369,14 @@ OPTIMAL_DESIGN = Analysis(
     name="optimal-design",
     label="Optimal design",
     request=optimal_designs.OptimalDesignQuery,
-    prepare=_send_design,
-    compute=_in_snapshot(optimal_designs.compute_optimal_design),
+    compute=in_snapshot(optimal_designs.compute_optimal_design),
     save=save_records(optimal_designs.store_optimal_design),
     result=optimal_designs.OptimalDesign,
     identify=optimal_designs.identify_optimal_design,
     path="/designs/{design_id}/optimal-design",
-    noun="optimal_design",
-    describe=_name_design,
-    response=optimal_designs.OptimalDesign,
+    tag="designs",
     about="""
-    Return the stored gain of the design that is optimal for an objective within limits.
+    gain of the design that is optimal for an objective within limits.
 
     Objectives: ``flutter`` speed, ``derivatives`` by name, ``damping`` of a mode, and
     ``structures``, the distance of the run's model structure from the smaller one of another
@@ -475,39 +384,37 @@ OPTIMAL_DESIGN = Analysis(
     design.
     """,
     page="/excitation/{design_id}",
+    example={"objective": "flutter", "derivatives": "Cm_alpha,Cm_q", "mode": "7"},
 )
 RECONSTRUCTION = Analysis(
     name="motion-reconstruction",
     label="Motion reconstruction",
     request=reconstruction.ReconstructionQuery,
-    prepare=_send_maneuver,
-    compute=_in_snapshot(reconstruction.reconstruct),
+    compute=in_snapshot(reconstruction.reconstruct),
     result=Reconstruction,
     identify=_identify_reconstruction,
     path="/maneuvers/{maneuver_id}/reconstruction",
+    tag="maneuvers",
     noun="reconstruction",
-    describe=_name_maneuver,
     page="/maneuvers/{maneuver_id}?tab=reconstruction&modes={modes}",
 )
 TRANSFER_FUNCTION = Analysis(
     name="transfer-function",
     label="Transfer function",
     request=transfer_functions.TransferFunctionQuery,
-    prepare=_send_maneuver,
-    compute=_in_snapshot(
+    compute=in_snapshot(
         lambda store, query, report: transfer_functions.estimate_transfer_function(store, query)
     ),
     result=TransferFunctionResult,
     identify=_identify_transfer_function,
     path="/transfer-functions",
-    noun="transfer_function",
+    tag="maneuvers",
     describe=lambda store, query: (
         f"{query.output} over {query.input}, {store.maneuvers.get(query.maneuver_id).label}"
     ),
-    response=TransferFunction,
-    show=attrgetter("function"),
+    shows="function",
     about="""
-    Return the stored transfer function of an output over an input, with standard errors.
+    transfer function of an output over an input, with standard errors.
 
     By default the orders are those usual for the output: a short period for pitch rate and
     pitch angle, a roll mode for roll rate and bank angle.
@@ -517,33 +424,31 @@ TRANSFER_FUNCTION = Analysis(
         "&poles={poles}&integrators={integrators}&no_delay={delay:not}&low={low_hz}"
         "&high={high_hz}#transfer-function"
     ),
+    command="transfer-function",
 )
 OUTPUT_ONLY_MODES = Analysis(
     name="output-only-modes",
     label="Output-only modes",
     request=output_only_modes.OutputOnlyQuery,
-    prepare=_send_maneuver,
-    compute=_in_snapshot(
+    compute=in_snapshot(
         lambda store, query, report: output_only_modes.identify_modes_of_outputs(store, query)
     ),
     result=OutputOnlyResult,
     identify=_identify_output_only,
     path="/output-only-modes",
-    noun="output_only_modes",
-    describe=_name_maneuver,
-    response=OutputOnlyResult,
-    about=("Return the stored modes of a record from its outputs alone, with standard errors."),
+    tag="maneuvers",
+    about="modes of a record from its outputs alone, with standard errors.",
     page=(
         "/maneuvers/{maneuver_id}?tab=bode&from={start_s}&to={stop_s}&low={low_hz}&high={high_hz}"
         "#output-only"
     ),
+    command="output-only",
 )
 GREY_BOX = Kind(
     name="grey-box-fit",
     label="Grey-box fit",
     request=grey_box_fits.GreyBoxQuery,
-    prepare=_send_maneuver,
-    compute=_in_snapshot(grey_box_fits.compute_grey_box),
+    compute=in_snapshot(grey_box_fits.compute_grey_box),
     result=GreyBoxFit,
     identify=_identify_grey_box,
     page="/maneuvers/{maneuver_id}?tab=grey-box&fit={id}",
@@ -569,8 +474,8 @@ MODES = Analysis(
     result=ModeIdentification,
     identify=ground_vibration_test.identify_mode_search,
     path="/measured-responses/{responses_id}/modes",
+    tag="vibration-tests",
     noun="modes",
-    describe=lambda store, search: store.measured_responses.get(search.responses_id).name,
     page=(
         "/modal-data?tab=gvt&responses={responses_id}&from_hz={low_hz}&to_hz={high_hz}&order={order}"
         "&poles={poles}"
@@ -592,8 +497,7 @@ QUALITY = Kind(
     name="quality-assessment",
     label="Quality assessment",
     request=maneuver_quality.QualityRequest,
-    prepare=_send_maneuver,
-    compute=_in_snapshot(maneuver_quality.assess_maneuver),
+    compute=in_snapshot(maneuver_quality.assess_maneuver),
     save=save_records(
         lambda store, job, request, outcome: {
             "verdict": maneuver_quality.store_quality(store, outcome).verdict.value
@@ -606,16 +510,13 @@ COMPATIBILITY = Analysis(
     name="compatibility",
     label="Compatibility of sensors",
     request=compatibility.CompatibilityQuery,
-    prepare=_send_maneuvers,
-    compute=_in_snapshot(compatibility.compute_compatibility),
+    compute=in_snapshot(compatibility.compute_compatibility),
     result=CompatibilityReport,
     identify=compatibility.identify_compatibility,
     path="/compatibility",
-    noun="compatibility",
-    describe=_name_maneuvers,
-    response=CompatibilityReport,
+    tag="quality",
     about="""
-    Return the stored comparison of the sensors of maneuvers by kinematics.
+    comparison of the sensors of maneuvers by kinematics.
 
     It needs the locations of the sensors, and neither aerodynamics nor a modal table. Each
     fault has its correction, for ``/conditioning``, and the faults that the data do not

@@ -24,6 +24,10 @@ type Parameters<P extends AnalysisPath> =
     ? Pick<Given, Extract<"path" | "query", keyof Given>>
     : never;
 
+/** The request of an analysis, as in the address. */
+export type AnalysisQuery<P extends AnalysisPath> =
+  Operation<P> extends { parameters: { query?: infer Query } } ? NonNullable<Query> : never;
+
 type Answer<P extends AnalysisPath> = paths[P & keyof paths] extends {
   get: { responses: { 200: { content: { "application/json": infer T } } } };
 }

@@ -20,16 +20,13 @@ from flexsid.api.models.design_requests import (
 from flexsid.api.models.requests import Title
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_analysis, submit_job
+from flexsid.api.responses import submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
 from flexsid.importers import sandbox
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import (
-    AMPLITUDES,
     DESIGN,
-    INPUT_COMPARISON,
-    OPTIMAL_DESIGN,
     PREDICTED_ACCURACY,
     SIMULATION,
 )
@@ -300,8 +297,6 @@ class ExpectedSummary:
 
 
 TheDesignQuery = Annotated[DesignQuery, Depends(query_as(DesignQuery, "design_id"))]
-for _analysis in (PREDICTED_ACCURACY, INPUT_COMPARISON, AMPLITUDES, OPTIMAL_DESIGN):
-    add_analysis(design_predictions_router, _analysis)
 
 
 @design_predictions_router.get("/expected-errors", response_model=ExpectedErrors)

@@ -1,4 +1,4 @@
-"""Flutter prediction from identified runs, controllers, and closed-loop stability."""
+"""Controllers, and closed-loop stability of identified models."""
 
 from __future__ import annotations
 
@@ -14,31 +14,18 @@ from flexsid.api.context import TheStore, save_files
 from flexsid.api.models.requests import LONGEST_TEXT, Id, Request, Text, Title
 from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.parameters import check_integer, query_as
-from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers import sandbox
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER, PREDICTED_FLUTTER
+from flexsid.jobs.kinds import CLOSED_LOOP
 from flexsid.records import finite_or_none
 from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
 from flexsid.storage.lists.list_query import Page
 from flexsid.text import LARGEST_ID
 from flexsid.workflow.flutter import controllers
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
-from flexsid.workflow.flutter.flutter_models import FlutterQuery
-
-# --- Flutter prediction from identified runs, for the next test point -----------------------------
-
-flutter_router = make_router("/flutter", tag="flutter")
-
-
-TheFlutterQuery = Annotated[FlutterQuery, Depends(query_as(FlutterQuery))]
-
-add_analysis(flutter_router, FLUTTER)
-add_analysis(flutter_router, PREDICTED_FLUTTER)
-
 
 # --- Closed-loop stability of identified models with a controller ---------------------------------
 
@@ -68,8 +55,6 @@ class ClosedLoopStability:
 
 _MARGINS = tuple(one.name for one in fields(LoopMargin) if one.name != "surface")
 TheClosedLoopQuery = Annotated[ClosedLoopQuery, Depends(query_as(ClosedLoopQuery))]
-
-add_analysis(closed_loop_router, CLOSED_LOOP)
 
 
 @closed_loop_router.get("", response_model=ClosedLoopStability)

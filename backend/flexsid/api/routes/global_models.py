@@ -15,7 +15,6 @@ from flexsid.api.models.design_requests import (
 )
 from flexsid.api.models.responses import extend_record
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
@@ -60,8 +59,6 @@ class GlobalModelDetail(ReviewedGlobalModel):
 
 
 TheGlobalModelQuery = Annotated[GlobalModelQuery, Depends(query_as(GlobalModelQuery))]
-
-add_analysis(router, GLOBAL_MODEL)
 
 
 @router.get(

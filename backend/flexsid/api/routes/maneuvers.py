@@ -16,7 +16,7 @@ from flexsid.api.models.responses import (
     ManeuverDetail,
     extend_record,
 )
-from flexsid.api.responses import add_analysis, make_file_response
+from flexsid.api.responses import make_file_response
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -30,7 +30,6 @@ from flexsid.api.serialization import (
     read_query,
 )
 from flexsid.errors import BadInput
-from flexsid.jobs.kinds import OUTPUT_ONLY_MODES, RECONSTRUCTION, TRANSFER_FUNCTION
 from flexsid.records.maneuver import Cut, Flight, FlightChannel, Maneuver, ManeuverProposal
 from flexsid.records.run import RunProposal
 from flexsid.storage import bulk
@@ -156,10 +155,6 @@ def get_samples(
     return make_file_response(content, MEDIA_TYPES[form])
 
 
-# The figure of the reconstruction has its result.
-add_analysis(maneuvers_router, RECONSTRUCTION)
-
-
 @maneuvers_router.post("", response_model=ManeuverDetail, status_code=201)
 def upload_maneuver(
     context: TheContext,
@@ -264,17 +259,3 @@ def cut_maneuver(store: TheStore, flight_id: Identity, body: CutRequest) -> Json
     stored = maneuver_cutting.cut_maneuver(store, flight_id, body.make_record(Cut))
     location = {"Location": f"/api/v1/maneuvers/{stored.id}"}
     return Json(build_maneuver_detail(store, stored), 201, location)
-
-
-# --- Modes from outputs alone ---------------------------------------------------------------------
-
-output_only_router = make_router(tag="maneuvers")
-
-add_analysis(output_only_router, OUTPUT_ONLY_MODES)
-
-
-# --- Transfer functions of one input and output of a maneuver -------------------------------------
-
-transfer_functions_router = make_router(tag="maneuvers")
-
-add_analysis(transfer_functions_router, TRANSFER_FUNCTION)

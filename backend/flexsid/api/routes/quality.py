@@ -13,7 +13,6 @@ from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import AssessRequest, ConditioningRequest
 from flexsid.api.models.responses import Assessing, QualityList
-from flexsid.api.responses import add_analysis
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -24,7 +23,7 @@ from flexsid.api.serialization import (
     describe_sort,
     read_query,
 )
-from flexsid.jobs.kinds import COMPATIBILITY, QUALITY
+from flexsid.jobs.kinds import QUALITY
 from flexsid.records.job import NEW_JOB, Job
 from flexsid.records.maneuver import ConditioningStep, Correction
 from flexsid.records.quality import ManeuverQuality
@@ -180,10 +179,3 @@ def undo_conditioning(
 ) -> ConditioningStep:
     """Undo a correction; it remains in the list."""
     return maneuver_spectra.undo_step(store, maneuver_id, step_id, analyst)
-
-
-# --- Compatibility of the sensors of maneuvers by kinematics --------------------------------------
-
-compatibility_router = make_router(tag="quality")
-
-add_analysis(compatibility_router, COMPATIBILITY)

@@ -16,10 +16,11 @@ from fastapi import Depends, Query, Response, status
 from flexsid import reports
 from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.parameters import query_as
 from flexsid.api.responses import ThePrintFormat, TheUnits, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.routes.designs import Level
-from flexsid.api.routes.flutter import TheClosedLoopQuery, TheFlutterQuery
+from flexsid.api.routes.flutter import TheClosedLoopQuery
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity, Json
 from flexsid.display_units import DisplayUnits, show_in
@@ -35,6 +36,7 @@ from flexsid.storage.repository import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import split_ids
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.maintenance.printed_reports import (
     PrintedReport,
     ReportRequest,
@@ -88,7 +90,9 @@ def _report_campaign(store: TheStore, filters: Filters) -> Report:
     return reports.campaign_report(store, **filters)
 
 
-def _report_flutter(store: TheStore, query: TheFlutterQuery) -> Report:
+def _report_flutter(
+    store: TheStore, query: Annotated[FlutterQuery, Depends(query_as(FlutterQuery))]
+) -> Report:
     return reports.flutter_report(store, query)
 
 

@@ -1,4 +1,4 @@
-"""Comparison of runs and predictions, sheets of flight conditions, validation of models."""
+"""Comparison of runs and predictions, and sheets of flight conditions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from flexsid.api.responses import (
     CSV_FILE,
     NOTEBOOK,
     NOTEBOOK_TYPE,
-    add_analysis,
     get_address,
     make_file_response,
 )
@@ -19,11 +18,6 @@ from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference
 from flexsid.figure_table import TrendParameters
 from flexsid.jobs.kinds import (
-    AERODYNAMICS,
-    AMPLITUDE_COMPARISON,
-    CROSS_PREDICTION,
-    CROSS_VALIDATION,
-    POSTERIOR,
     read_condition_sheet,
 )
 from flexsid.records.condition_sheet import ConditionItem, ConditionSheet
@@ -104,18 +98,3 @@ def get_condition_derivatives(store: TheStore, condition_id: Identity) -> Respon
     """Return the derivatives of the sheet as CSV: value, σ and deviations by source."""
     text = condition_sheet.write_derivatives(read_condition_sheet(store, condition_id))
     return make_file_response(text.encode(), "text/csv; charset=utf-8")
-
-
-# --- Validation of identified models: cross-prediction of maneuvers, and cross-validation of runs
-
-validation_router = make_router(tag="validation")
-
-
-for _analysis in (
-    CROSS_PREDICTION,
-    CROSS_VALIDATION,
-    AERODYNAMICS,
-    POSTERIOR,
-    AMPLITUDE_COMPARISON,
-):
-    add_analysis(validation_router, _analysis)

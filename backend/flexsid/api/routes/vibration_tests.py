@@ -12,7 +12,7 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import Id, Request, Title
 from flexsid.api.models.responses import MeasuredFunction
 from flexsid.api.parameters import query_as
-from flexsid.api.responses import add_analysis, submit_job
+from flexsid.api.responses import submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.errors import UnknownRecord
@@ -160,9 +160,6 @@ def list_measured_responses(
 def get_measured_responses(store: TheStore, responses_id: Identity) -> MeasuredResponses:
     """Return one set of measured frequency responses."""
     return store.measured_responses.get(responses_id)
-
-
-add_analysis(vibration_tests_router, MODES)
 
 
 @vibration_tests_router.get("/measured-responses/{responses_id}/modes")

@@ -1,6 +1,5 @@
 /** Excitation designs and what is expected of them. */
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
-import type { OBJECTIVES } from "../../views";
 import { api, body, items } from "../client";
 import { storedResult } from "../storedResult";
 
@@ -100,12 +99,6 @@ export const predictedAccuracyResult = (id: number, level: number, runId: number
   );
 };
 
-export const classicInputsResult = (id: number, level: number, runId: number) =>
-  storedResult("/api/v1/designs/{design_id}/classic-inputs", {
-    path: { design_id: id },
-    query: { run_id: runId, level },
-  });
-
 export const preflightSimulationsQuery = (designId: number) =>
   queryOptions({
     queryKey: ["designs", designId, "preflight_simulations"],
@@ -117,43 +110,3 @@ export const preflightSimulationsQuery = (designId: number) =>
         }),
       ),
   });
-
-interface AmplitudeLimits {
-  /** Deflection [rad], rate [rad/s] and load factor [g]; those of the design where undefined. */
-  deflection?: number;
-  rate?: number;
-  load_factor?: number;
-}
-
-export const amplitudesResult = (
-  id: number,
-  level: number,
-  runId: number,
-  limits: AmplitudeLimits,
-) =>
-  storedResult("/api/v1/designs/{design_id}/amplitudes", {
-    path: { design_id: id },
-    query: { run_id: runId, level, ...limits },
-  });
-
-export interface OptimalDesignRequest {
-  run_id: number;
-  level: number;
-  objective: (typeof OBJECTIVES)[number];
-  derivatives?: string;
-  mode?: string;
-  other_run_id?: number;
-  /** Limits [rad], [rad/s], [g]; those of the design where undefined. */
-  deflection?: number;
-  rate?: number;
-  load_factor?: number;
-  spread?: number;
-  after_run?: boolean;
-}
-
-export const optimalDesignResult = (id: number, query: OptimalDesignRequest, enabled: boolean) =>
-  storedResult(
-    "/api/v1/designs/{design_id}/optimal-design",
-    { path: { design_id: id }, query },
-    enabled,
-  );

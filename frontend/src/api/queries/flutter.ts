@@ -1,32 +1,18 @@
 /** Damping, the margin to flutter, and the loop that a controller closes. */
 import { queryOptions } from "@tanstack/react-query";
 import { api, items } from "../client";
-import { storedResult } from "../storedResult";
+import { storedResult, type AnalysisQuery } from "../storedResult";
 
-export interface FlutterParams {
-  run_ids: string;
-  fuel?: number;
-  altitude_m?: number;
-  next_m_s?: number;
-  unmodelled_modes?: "residualized";
-  variation?: "linear" | "global-model";
-}
+export type FlutterParams = AnalysisQuery<"/api/v1/flutter">;
 
 /** The flutter prediction; an equal request is the same job. */
 export const flutterResult = (query: FlutterParams) =>
   storedResult("/api/v1/flutter", { query }, query.run_ids !== "");
 
-export interface PredictedFlutterParams {
-  prediction_id: number;
-  axis?: "longitudinal" | "lateral";
-  fuel?: number;
-  density_kg_m3?: number;
-  from_m_s?: number;
-  to_m_s?: number;
-}
-
 /** The flutter analysis of a prediction alone; an equal request is the same job. */
-export const predictedFlutterResult = (query: PredictedFlutterParams | undefined) =>
+export const predictedFlutterResult = (
+  query: AnalysisQuery<"/api/v1/flutter/predicted"> | undefined,
+) =>
   storedResult(
     "/api/v1/flutter/predicted",
     { query: query ?? { prediction_id: 0 } },

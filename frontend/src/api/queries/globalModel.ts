@@ -1,13 +1,9 @@
 /** Global aerodynamic model: derivatives over the envelope from the estimates of all runs. */
 import { queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import { storedResult } from "../storedResult";
+import { storedResult, type AnalysisQuery } from "../storedResult";
 
-export interface GlobalModelParams {
-  run_ids: string;
-  variables: string;
-  prediction_id?: number;
-}
+export type GlobalModelParams = AnalysisQuery<"/api/v1/global-models">;
 
 /** The global model of runs; an equal request is the same job. */
 export const globalModelResult = (query: GlobalModelParams) =>

@@ -54,34 +54,6 @@ export const reconstructionResult = (
       }) as Promise<FigureSpec>,
   );
 
-export interface TransferFunctionParams {
-  maneuver_id: number;
-  input: string;
-  output: string;
-  zeros?: number;
-  poles?: number;
-  integrators?: number;
-  delay?: boolean;
-  low_hz?: number;
-  high_hz?: number;
-}
-
-/** The transfer function of an output over an input, with standard errors. */
-export const transferFunctionResult = (query: TransferFunctionParams) =>
-  storedResult("/api/v1/transfer-functions", { query });
-
-export interface OutputOnlyParams {
-  maneuver_id: number;
-  low_hz?: number;
-  high_hz?: number;
-  start_s?: number;
-  stop_s?: number;
-}
-
-/** The modes of a record from its outputs alone, with standard errors. */
-export const outputOnlyResult = (query: OutputOnlyParams) =>
-  storedResult("/api/v1/output-only-modes", { query });
-
 /** Installed grey-box models, and whether files are accepted. */
 export const greyBoxModelsQuery = queryOptions({
   queryKey: ["grey-box-models"],
@@ -107,10 +79,6 @@ export const greyBoxFitQuery = (jobId: number) =>
       ),
     staleTime: Infinity,
   });
-
-/** The sensors of maneuvers of one recorder compared by kinematics. */
-export const compatibilityResult = (ids: number[]) =>
-  storedResult("/api/v1/compatibility", { query: { maneuver_ids: ids.join(",") } });
 
 export const conditioningQuery = (id: number) =>
   queryOptions({

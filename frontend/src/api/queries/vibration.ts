@@ -1,7 +1,6 @@
 /** Measured responses of a vibration test, and the modes in them. */
 import { queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import { storedResult } from "../storedResult";
 
 export const measuredResponsesQuery = (aircraftId: number) =>
   queryOptions({
@@ -13,16 +12,6 @@ export const measuredResponsesQuery = (aircraftId: number) =>
           signal,
         }),
       ),
-  });
-
-/** The modes of a band; an equal request is the same job. */
-export const foundModesResult = (
-  id: number,
-  query: { low_hz?: number; high_hz?: number; order: number; poles?: string },
-) =>
-  storedResult("/api/v1/measured-responses/{responses_id}/modes", {
-    path: { responses_id: id },
-    query,
   });
 
 export const orthogonalityQuery = (jobId: number) =>

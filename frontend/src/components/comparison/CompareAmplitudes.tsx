@@ -1,5 +1,5 @@
 import { Alert, Button, List, Stack, Text } from "@mantine/core";
-import { amplitudeResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { AmplitudeComparison } from "../../api/types";
 import { fixed, significant, withError } from "../../lib/text/format";
 import type { CompareTabProps } from "./CompareDerivatives";
@@ -22,7 +22,11 @@ export function CompareAmplitudes({ view, onChange }: CompareTabProps) {
       note="Fits of all levels with the same weights, by which a linear aircraft has the same values at every amplitude; ±2σ due to noise, p in view of the number of tests"
     >
       {view.amplitudes === true && runs.length > 1 ? (
-        <ComputedResult options={amplitudeResult(runs)}>
+        <ComputedResult
+          options={storedResult("/api/v1/amplitude-comparisons", {
+            query: { run_ids: runs.join(",") },
+          })}
+        >
           {(data) => <Tests data={data} />}
         </ComputedResult>
       ) : (

@@ -1,5 +1,5 @@
 import { Alert, Stack } from "@mantine/core";
-import { crossValidationResult, type CrossValidationParams } from "../../api/queries";
+import { storedResult, type AnalysisQuery } from "../../api/storedResult";
 import type { CrossValidationSummary, ValidatedOutput } from "../../api/types";
 import { useStoredResult } from "../../api/useStoredResult";
 import { fixed } from "../../lib/text/format";
@@ -30,13 +30,15 @@ const COLUMNS: Column<ValidatedOutput>[] = [
 ];
 
 interface Props {
-  query: CrossValidationParams;
+  query: AnalysisQuery<"/api/v1/cross-validations">;
   output: string | undefined;
 }
 
 /** Refits of a run without held-out data, and their predictions of these. */
 export function CrossValidation({ query, output }: Props) {
-  const { result, jobId, error, onEnd, compute } = useStoredResult(crossValidationResult(query));
+  const { result, jobId, error, onEnd, compute } = useStoredResult(
+    storedResult("/api/v1/cross-validations", { query }),
+  );
   const shown = result.data?.outputs.some((one) => one.output === output) ? output : undefined;
   return (
     <Section

@@ -1,7 +1,7 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
 import { useNavigate } from "@tanstack/react-router";
 import { useRescaleDesign } from "../../api/commands";
-import { amplitudesResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { OptimisedError, OptimisedPeak, OptimisedAmplitudes, Design } from "../../api/types";
 import { degrees, fixed } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
@@ -119,11 +119,15 @@ interface Props {
 
 /** Amplitude optimisation within the same limits, compared with the design. */
 export function AmplitudesPart({ design, level, run, allowed, fastest, load, onChange }: Props) {
-  const options = amplitudesResult(design.id, level, run, {
+  const query = {
+    run_id: run,
+    level,
     deflection: allowed === undefined ? undefined : (allowed * Math.PI) / 180,
     rate: fastest === undefined ? undefined : (fastest * Math.PI) / 180,
     load_factor: load,
-  });
+  };
+  const path = { design_id: design.id };
+  const options = storedResult("/api/v1/designs/{design_id}/amplitudes", { path, query });
   return (
     <Stack gap="sm">
       <Group align="end">

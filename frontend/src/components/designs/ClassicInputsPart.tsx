@@ -1,5 +1,5 @@
 import { Stack } from "@mantine/core";
-import { classicInputsResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { ComparedInput, Design, InputComparison } from "../../api/types";
 import { fixed } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
@@ -60,7 +60,13 @@ export function ClassicInputsPart({
   run: number;
 }) {
   return (
-    <ComputedResult options={classicInputsResult(design.id, level, run)} rows={12}>
+    <ComputedResult
+      options={storedResult("/api/v1/designs/{design_id}/classic-inputs", {
+        path: { design_id: design.id },
+        query: { run_id: run, level },
+      })}
+      rows={12}
+    >
       {(comparison) => (
         <Stack gap="sm">
           <DataTable

@@ -1,6 +1,6 @@
 import { Checkbox, Group, Select, Stack, Text, TextInput } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
-import { optimalDesignResult, type OptimalDesignRequest } from "../../api/queries";
+import { storedResult, type AnalysisQuery } from "../../api/storedResult";
 import type { Design, OptimalDesign } from "../../api/types";
 import { degrees, fixed } from "../../lib/text/format";
 import { OBJECTIVES, type DesignView } from "../../views";
@@ -47,7 +47,7 @@ interface Props {
 /** Optimal design for one objective within limits, and its gain over this design. */
 export function OptimalDesignPart({ design, level, run, view, onChange }: Props) {
   const { objective } = view;
-  const request: OptimalDesignRequest = {
+  const request: AnalysisQuery<"/api/v1/designs/{design_id}/optimal-design"> = {
     run_id: run,
     level,
     objective: objective ?? "flutter",
@@ -146,7 +146,13 @@ export function OptimalDesignPart({ design, level, run, view, onChange }: Props)
         />
       </Group>
       {isComplete ? (
-        <ComputedResult options={optimalDesignResult(design.id, request, true)} rows={4}>
+        <ComputedResult
+          options={storedResult("/api/v1/designs/{design_id}/optimal-design", {
+            path: { design_id: design.id },
+            query: request,
+          })}
+          rows={4}
+        >
           {(result) => <Gain result={result} run={run} />}
         </ComputedResult>
       ) : (

@@ -1,5 +1,5 @@
 import { Alert, Stack, Text } from "@mantine/core";
-import { outputOnlyResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { OutputOnlyResult } from "../../api/types";
 import { overFrequency } from "../../lib/figures/band";
 import { fixed, withError } from "../../lib/text/format";
@@ -74,7 +74,10 @@ export function OutputOnlyTab({ maneuver, view, onChange }: ManeuverTabProps) {
           hint="From 1 Hz to 0.4 of the sample rate. Drag over the figure to select a band."
           whole="The usual band"
         />
-        <ComputedResult options={outputOnlyResult(params)} rows={8}>
+        <ComputedResult
+          options={storedResult("/api/v1/output-only-modes", { query: params })}
+          rows={8}
+        >
           {(found) => (
             <Stack gap="sm">
               {found.warnings.map((warning) => (

@@ -1,5 +1,5 @@
 import { Alert, Select, Stack, Switch } from "@mantine/core";
-import { transferFunctionResult } from "../../api/queries";
+import { storedResult, type AnalysisQuery } from "../../api/storedResult";
 import type { TransferFunction } from "../../api/types";
 import { overFrequency } from "../../lib/figures/band";
 import { excitedInputs, named, offeredChannels } from "../../lib/channels";
@@ -118,7 +118,7 @@ export function TransferFunctionTab({ maneuver, view, onChange }: ManeuverTabPro
           hint="Excited frequencies below the first mode that these orders do not describe. Drag over the figure to select a band; spectra and responses share it."
           whole="Default band"
         />
-        <ComputedResult options={transferFunctionResult(params)}>
+        <ComputedResult options={storedResult("/api/v1/transfer-functions", { query: params })}>
           {(found) => <Fit found={found} params={params} shared={shared} />}
         </ComputedResult>
       </div>
@@ -132,7 +132,7 @@ function Fit({
   shared,
 }: {
   found: TransferFunction;
-  params: Parameters<typeof transferFunctionResult>[0];
+  params: AnalysisQuery<"/api/v1/transfer-functions">;
   shared: ReturnType<typeof overFrequency>;
 }) {
   return (

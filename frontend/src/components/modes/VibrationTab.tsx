@@ -11,7 +11,8 @@ import {
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useSaveFoundModes } from "../../api/commands";
-import { foundModesResult, measuredResponsesQuery } from "../../api/queries";
+import { measuredResponsesQuery } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
@@ -111,7 +112,10 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
         {/* By its key requested at once: the analyst asks for the fit of poles by a button. */}
         <ComputedResult
           key={poles.join(",")}
-          options={foundModesResult(responses.id, query)}
+          options={storedResult("/api/v1/measured-responses/{responses_id}/modes", {
+            path: { responses_id: responses.id },
+            query,
+          })}
           rows={6}
         >
           {(found) => (

@@ -2,7 +2,8 @@ import { Alert, Button, List, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useTakeCorrections } from "../../api/commands";
-import { compatibilityResult, modalTablesQuery } from "../../api/queries";
+import { modalTablesQuery } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { Compatibility, Maneuver, SensorEstimate, SensorFault } from "../../api/types";
 import { useConversion } from "../../api/units";
 import { fixed, withError } from "../../lib/text/format";
@@ -41,7 +42,12 @@ export function CompatibilityTab({ maneuver }: { maneuver: Maneuver }) {
             compares its sensors with the structural modes.
           </Empty>
         ) : (
-          <ComputedResult options={compatibilityResult([maneuver.id])} rows={8}>
+          <ComputedResult
+            options={storedResult("/api/v1/compatibility", {
+              query: { maneuver_ids: String(maneuver.id) },
+            })}
+            rows={8}
+          >
             {(report) => <Report id={maneuver.id} report={report} />}
           </ComputedResult>
         )

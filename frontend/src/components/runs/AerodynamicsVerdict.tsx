@@ -1,6 +1,6 @@
 import { Alert, Button, Stack } from "@mantine/core";
 import { useState } from "react";
-import { aerodynamicsResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { AerodynamicsComparison } from "../../api/types";
 import { fixed, significant } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
@@ -41,7 +41,9 @@ export function AerodynamicsVerdict({ runId }: { runId: number }) {
       note="Quasi-steady against shaped derivatives: both fitted by output error to two of three frequencies of each input, and to all"
     >
       {requested ? (
-        <ComputedResult options={aerodynamicsResult(runId, requested)}>
+        <ComputedResult
+          options={storedResult("/api/v1/aerodynamics-comparisons", { query: { run_id: runId } })}
+        >
           {(data) => <Verdict data={data} />}
         </ComputedResult>
       ) : (

@@ -1,6 +1,6 @@
 import { Alert, Button, Stack, Text } from "@mantine/core";
 import { useState } from "react";
-import { posteriorResult } from "../../api/queries";
+import { storedResult } from "../../api/storedResult";
 import type { PosteriorCheck, Run } from "../../api/types";
 import { fixed, withError } from "../../lib/text/format";
 import { ComputedResult } from "../display/ComputedResult";
@@ -49,7 +49,9 @@ export function Posterior({ run }: { run: Run }) {
       note="Samples of the posterior by Hamiltonian Monte Carlo, against the standard errors, which are to first order"
     >
       {requested ? (
-        <ComputedResult options={posteriorResult(run.id, requested)}>
+        <ComputedResult
+          options={storedResult("/api/v1/posterior-checks", { query: { run_id: run.id } })}
+        >
           {(data) => <Check data={data} />}
         </ComputedResult>
       ) : (
