@@ -156,6 +156,8 @@ PARAMETERS: dict[str, Mapping[str, Any]] = {
     "draw_flight_history": {"flight_id": 4},
     "draw_bode": {"run_id": "1"},
     "draw_poles": {"run_id": "1"},
+    "report_figure": {"figure": "derivatives?run_ids=1"},
+    "print_figure": {"figure": "derivatives?run_ids=1"},
     **{
         name: one.example
         for one in ANALYSES
