@@ -286,6 +286,25 @@ def flown_template(postgresql: postgresql_server.Cluster) -> str:
     return name
 
 
+@pytest.fixture
+def independent_store(
+    backend: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> Iterator[Store]:
+    """A store with FLEX-28 with independent surfaces and its flight."""
+    import demonstration
+
+    if backend == "sqlite":
+        file = tmp_path / "independent.db"
+        shutil.copy(demonstration.independent_file(), file)
+        opened = Store.open(f"sqlite:///{file}")
+        yield opened
+        opened.close()
+    else:
+        opened = request.getfixturevalue("store")
+        demonstration.add_independent(opened)
+        yield opened
+
+
 @pytest.fixture(scope="session")
 def live_url(
     flown_file: Path, listening: Listening, tmp_path_factory: pytest.TempPathFactory
