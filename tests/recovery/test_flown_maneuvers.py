@@ -80,7 +80,10 @@ def test_fta_506_at_low_speed_gives_the_truth_back(store: Store, count: int):
 )
 @pytest.mark.parametrize(
     ("name", "count"),
-    [("065Vf_n2_fta506", 2), pytest.param("065Vf_n4_fta506", 4, marks=pytest.mark.long)],
+    [
+        pytest.param(name, count, marks=pytest.mark.long)
+        for name, count in (("065Vf_n2_fta506", 2), ("065Vf_n4_fta506", 4))
+    ],
 )
 def test_independent_record_gives_its_truth_back(store: Store, name: str, count: int):
     add_aircraft(store)

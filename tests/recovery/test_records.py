@@ -65,10 +65,14 @@ def estimate(
 
 
 @flex28
-@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
 @pytest.mark.parametrize(
-    ("name", "modes"),
-    [("065Vf_n2_fta506", (7, 9)), ("065Vf_n4_fta506", (7, 9, 11, 12))],
+    ("name", "modes", "method"),
+    [
+        ("065Vf_n2_fta506", (7, 9), Method.OE),
+        ("065Vf_n4_fta506", (7, 9, 11, 12), Method.FRE),
+        pytest.param("065Vf_n2_fta506", (7, 9), Method.FRE, marks=pytest.mark.long),
+        pytest.param("065Vf_n4_fta506", (7, 9, 11, 12), Method.OE, marks=pytest.mark.long),
+    ],
 )
 def test_matched_order_recovers_the_truth_within_its_error_bars(store, name, modes, method):
     add_aircraft(store)
@@ -88,7 +92,10 @@ def test_matched_order_recovers_the_truth_within_its_error_bars(store, name, mod
 @flex28
 @pytest.mark.parametrize(
     ("name", "modes"),
-    [("065Vf_n2_fta506", (7, 9)), ("065Vf_n4_fta506", (7, 9, 11, 12))],
+    [
+        ("065Vf_n2_fta506", (7, 9)),
+        pytest.param("065Vf_n4_fta506", (7, 9, 11, 12), marks=pytest.mark.long),
+    ],
 )
 def test_noise_free_record_is_matched_to_a_thousandth(store, name, modes):
     add_aircraft(store)
@@ -104,8 +111,14 @@ def test_noise_free_record_is_matched_to_a_thousandth(store, name, modes):
 
 
 @geri
-@pytest.mark.parametrize("modes", [(7,), (7, 9)])
-@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
+@pytest.mark.parametrize(
+    ("method", "modes"),
+    [
+        (Method.OE, (7, 9)),
+        pytest.param(Method.OE, (7,), marks=pytest.mark.long),
+        *(pytest.param(Method.FRE, modes, marks=pytest.mark.long) for modes in ((7,), (7, 9))),
+    ],
+)
 def test_flown_maneuver_is_explained_better_than_by_its_authors(store, method, modes):
     mapping = PROJECT / "examples" / "maewing1" / "maewing1.toml"
     imported = import_files(store, [FLIGHT / name for name in GERI_FILES], mapping)
