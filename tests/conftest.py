@@ -122,16 +122,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 # Files that take longest, in this order: begun last, they would run alone at the end. Browser
 # tests, which mostly wait, are between those that compute.
 _LONGEST = (
-    *("e2e/test_every_page.py", "cli/test_commands.py", "recovery/test_flutter_forecast.py"),
-    *("e2e/test_conditioning.py", "api/test_resources.py", "workflow/test_quality.py"),
-    *("e2e/test_walk.py", "api/test_uploads.py", "api/test_searches.py"),
-    *("api/test_batches.py", "api/test_designs.py", "e2e/test_lost_server.py"),
-    *("docs/test_site.py", "sysid/test_coverage.py", "e2e/test_first_use.py"),
-    *("docs/test_tutorials.py", "recovery/test_skews.py", "e2e/test_compare.py"),
-    *("recovery/test_flown_maneuvers.py", "api/test_quality.py", "e2e/test_linked_figures.py"),
-    *("recovery/test_out_of_band_modes.py", "api/test_controllers.py", "e2e/test_pictures.py"),
-    *("shipped/", "recovery/test_expected_errors.py", "project/test_compose.py", "e2e/"),
-    *("recovery/", "jobs/", "docs/", "client/", "api/test_odd_maneuvers.py"),
+    *("e2e/test_every_page.py", "adversary/", "cli/test_commands.py", "api/test_contract.py"),
+    *("e2e/test_conditioning.py", "docs/test_site.py", "recovery/test_flutter_forecast.py"),
+    *("shipped/test_method_of_a_package.py", "api/test_designs.py", "workflow/test_live.py"),
+    *("api/test_model_structures.py", "api/test_batches.py", "shipped/test_imports.py"),
+    *("shipped/test_week.py", "shipped/test_team.py", "jobs/test_jobs.py", "e2e/test_walk.py"),
+    *("workflow/test_quality.py", "api/test_resources.py", "e2e/test_lost_server.py"),
+    *("recovery/test_flown_maneuvers.py", "recovery/test_preflight_simulation.py"),
+    *("api/test_permissions.py", "e2e/test_first_use.py", "api/test_controllers.py"),
+    *("shipped/", "docs/", "e2e/", "recovery/", "jobs/", "project/test_compose.py", "client/"),
+    *("streams/", "api/test_searches.py", "api/test_reading.py", "api/test_odd_maneuvers.py"),
 )
 
 
@@ -284,6 +284,25 @@ def flown_template(postgresql: postgresql_server.Cluster) -> str:
     name = postgresql.copy("empty", "flown")
     demonstration.add_flown_maneuver(postgresql.url(name))
     return name
+
+
+@pytest.fixture
+def independent_store(
+    backend: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> Iterator[Store]:
+    """A store with FLEX-28 with independent surfaces and its flight."""
+    import demonstration
+
+    if backend == "sqlite":
+        file = tmp_path / "independent.db"
+        shutil.copy(demonstration.independent_file(), file)
+        opened = Store.open(f"sqlite:///{file}")
+        yield opened
+        opened.close()
+    else:
+        opened = request.getfixturevalue("store")
+        demonstration.add_independent(opened)
+        yield opened
 
 
 @pytest.fixture(scope="session")

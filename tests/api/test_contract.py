@@ -1,6 +1,7 @@
 """Every route conforms to the OpenAPI description for generated requests.
 
-On both databases, since one may refuse values that the other accepts.
+On both databases, since one may refuse values that the other accepts. What draws or reports a
+record, which reads it by its number, is on PostgreSQL in `make test-long` only.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from postgresql import Cluster
 from tests.conftest import Listening
 
-from flexsid.api.permissions import PERMISSIONS
+from flexsid.api.permissions import PERMISSIONS, Permission
 
 schemathesis = pytest.importorskip("schemathesis", reason="schemathesis is not installed")
 
@@ -41,13 +42,40 @@ bounded = settings(
 Operations = Mapping[str, Any]
 
 
+NAMES = sorted(PERMISSIONS.keys() - OTHERS)
+SHOWN = [
+    name
+    for name in NAMES
+    if name.startswith(("draw_", "get_", "report_", "print_", "download_"))
+    and PERMISSIONS[name] is Permission.VIEWER
+]
+
+
 # One operation after the other is prepared in its test: all of them take seconds, of each process
 # that collects tests.
-@pytest.mark.parametrize("name", sorted(PERMISSIONS.keys() - OTHERS))
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in SHOWN])
+@pytest.mark.parametrize("flown", ["sqlite", "postgresql"], indirect=True, scope="session")
 def test_route_conforms_to_description(
     name: str, operations: Operations, changed_url: str, doomed_url: str
 ) -> None:
-    operation = operations[name]
+    check_conformity(operations[name], changed_url, doomed_url)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize(
+    "flown",
+    ["sqlite", pytest.param("postgresql", marks=pytest.mark.long)],
+    indirect=True,
+    scope="session",
+)
+def test_route_that_shows_a_record_conforms_to_description(
+    name: str, operations: Operations, changed_url: str, doomed_url: str
+) -> None:
+    check_conformity(operations[name], changed_url, doomed_url)
+
+
+def check_conformity(operation: Any, changed_url: str, doomed_url: str) -> None:
+    """Send a request of each example, and generated ones."""
     url = doomed_url if operation.method == "delete" else changed_url
 
     def conform(case: Any) -> None:
@@ -71,7 +99,7 @@ def operations() -> Operations:
     }
 
 
-@pytest.fixture(scope="session", params=["sqlite", "postgresql"])
+@pytest.fixture(scope="session")
 def flown(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[[], str]:

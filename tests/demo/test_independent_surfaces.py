@@ -8,6 +8,7 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.independent_surfaces import (
     CARDS,
+    NAME,
     add_independent,
     build_plant,
     compute_true_derivatives,
@@ -68,8 +69,9 @@ def test_sides_that_only_move_together_or_against_each_other_are_one_input(
         assert list_harmonics(aircraft, excitation, "wf1r") == harmonics[moved[1]]
 
 
-def test_default_runs_hold_the_truth_in_both_axes(store: Store) -> None:
-    aircraft = add_independent(store)
+def test_default_runs_hold_the_truth_in_both_axes(independent_store: Store) -> None:
+    store = independent_store
+    (aircraft,) = store.aircraft.find(name=NAME)
     assert add_independent(store) == aircraft
     maneuvers = store.maneuvers.find(aircraft_id=aircraft.id)
     assert [one.fta for one in maneuvers] == [card.fta for card in CARDS]

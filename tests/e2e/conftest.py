@@ -24,7 +24,7 @@ from playwright.sync_api import (
     sync_playwright,
 )
 from ports import find_free_port
-from preloaded import start_server
+from preloaded import ForkedCommand
 from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
@@ -94,14 +94,20 @@ def serving_on() -> ServingOn:
 def _serving_preloaded(database: Path, log: Path) -> Iterator[str]:
     """A server that is forked from loaded libraries; its address."""
     port = find_free_port()
-    process = start_server(database, port, log)
+    process = ForkedCommand(
+        ["serve", "--database", f"sqlite:///{database}"],
+        log.parent,
+        {**os.environ, "FLEXSID_PORT": str(port)},
+        log,
+        log,
+    )
     try:
-        _wait_until_healthy(f"http://127.0.0.1:{port}", process.is_alive, log)
+        _wait_until_healthy(f"http://127.0.0.1:{port}", lambda: process.poll() is None, log)
         yield f"http://127.0.0.1:{port}"
-        assert process.is_alive(), "the server ended by itself"
+        assert process.poll() is None, "the server ended by itself"
     finally:
         process.terminate()
-        process.join(PATIENCE_S)
+        process.wait(PATIENCE_S)
 
 
 @contextmanager

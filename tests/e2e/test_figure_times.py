@@ -1,4 +1,7 @@
-"""Time until each figure is drawn, printed as JSON lines: `pytest -s -m e2e`."""
+"""Time until each figure is drawn, printed as JSON lines: `pytest -s -m long`.
+
+The test of every page draws them in `make test`.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import pytest
 from playwright.sync_api import Page, expect
 from waiting import PATIENCE_MS
 
-pytestmark = pytest.mark.e2e
+pytestmark = [pytest.mark.e2e, pytest.mark.long]
 
 OUTPUTS = "q,alpha,az_mfs,az_ofs"
 INPUTS = "bfs,wf1s,wf2s,wf3s,wf4s"

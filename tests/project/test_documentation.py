@@ -6,12 +6,15 @@ import re
 import subprocess
 import sys
 import tomllib
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
 import flexsid
+from flexsid.cli.main import build_parser
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -20,14 +23,10 @@ VARIABLES = (ROOT / "docs" / "reference" / "variables.md").read_text()
 
 
 def _help(*command: str) -> str:
-    script = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
-    return subprocess.run(
-        [sys.executable, "-c", script, *command, "--help"],
-        cwd=ROOT / "backend",
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    with redirect_stdout(StringIO()) as printed, pytest.raises(SystemExit) as ended:
+        build_parser(*command).parse_args([*command, "--help"])
+    assert not ended.value.code
+    return printed.getvalue()
 
 
 def _commands() -> set[str]:

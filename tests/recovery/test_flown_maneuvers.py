@@ -18,7 +18,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
@@ -31,12 +31,22 @@ Estimates = dict[Method, tuple[np.ndarray, np.ndarray]]
 """Values and standard errors by method, in one order of the derivatives."""
 
 
-def run(store: Store, maneuver_id: int, method: Method, modes: tuple[int, ...]) -> ComputedRun:
+AS_FLOWN = RunSettings(out_of_band_modes=OutOfBandModes.OMITTED)
+"""Of flights of as many modes as are estimated."""
+
+
+def run(
+    store: Store,
+    maneuver_id: int,
+    method: Method,
+    modes: tuple[int, ...],
+    settings: RunSettings | None = None,
+) -> ComputedRun:
     request = EstimationRun(
         maneuver_id=maneuver_id,
         method=method,
         structure=Structure(modes=modes, fixed={}),
-        settings=RunSettings(),
+        settings=settings or RunSettings(),
     )
     return compute_run(prepare(store, request), lambda progress: None)
 
@@ -46,7 +56,7 @@ def estimate_all(
 ) -> Estimates:
     found: Estimates = {}
     for method in Method:
-        estimate = run(store, maneuver_id, method, modes).estimate
+        estimate = run(store, maneuver_id, method, modes, AS_FLOWN).estimate
         order = [estimate.names.index(name) for name in names]
         std = np.sqrt(np.diag(estimate.corrected_covariance))
         found[method] = estimate.values[order], std[order]
@@ -80,7 +90,10 @@ def test_fta_506_at_low_speed_gives_the_truth_back(store: Store, count: int):
 )
 @pytest.mark.parametrize(
     ("name", "count"),
-    [("065Vf_n2_fta506", 2), pytest.param("065Vf_n4_fta506", 4, marks=pytest.mark.long)],
+    [
+        pytest.param(name, count, marks=pytest.mark.long)
+        for name, count in (("065Vf_n2_fta506", 2), ("065Vf_n4_fta506", 4))
+    ],
 )
 def test_independent_record_gives_its_truth_back(store: Store, name: str, count: int):
     add_aircraft(store)
@@ -155,7 +168,7 @@ def test_motion_that_outlasts_the_record_is_taken_into_account(store: Store):
     flown = fly(modes_in_truth=2, absent=absent, noise=False)
     maneuver = add_maneuver(store, flown, _flight(store))
     assert maneuver.id is not None
-    found = run(store, maneuver.id, Method.OE, MODES[2]).estimate
+    found = run(store, maneuver.id, Method.OE, MODES[2], AS_FLOWN).estimate
     truth = flown.truth.named()
     values = dict(zip(found.names, found.values, strict=True))
     (block,) = found.lines

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -74,8 +77,13 @@ x_cg = {{ values = [0.0], unit = "m" }}
     return "\n".join(lines)
 
 
+@cache
+def fly(scale: float) -> Mapping[str, np.ndarray]:
+    return MappingProxyType(simulate(FLIGHT, scale))
+
+
 def add_record(store: Store, folder: Path, scale: float, noise: float = 0.0) -> int:
-    columns = simulate(FLIGHT, scale)
+    columns = dict(fly(scale))
     rng = np.random.default_rng(4)
     for name, std in NOISE.items():
         columns[name] = columns[name] + noise * std * rng.normal(size=columns[name].size)
@@ -102,7 +110,10 @@ def estimate(store: Store, number: int, method: Method):
     return compute_run(prepare(store, run), lambda progress: None)
 
 
-@pytest.mark.parametrize(("method", "tolerance"), [(Method.EE, 0.05), (Method.OE, 0.002)])
+@pytest.mark.parametrize(
+    ("method", "tolerance"),
+    [(Method.EE, 0.05), pytest.param(Method.OE, 0.002, marks=pytest.mark.long)],
+)
 def test_a_record_of_small_motion_gives_every_derivative_and_the_phugoid(
     store: Store, tmp_path: Path, method: Method, tolerance: float
 ) -> None:
@@ -142,7 +153,7 @@ def test_motion_with_airspeed_is_reconstructed(store: Store, tmp_path: Path) -> 
     )  # fmt: skip
     speed = next(trace for trace in found.traces if trace.name == "V")
     assert speed.unit == "m/s"
-    true = simulate(FLIGHT, 0.1)
+    true = fly(0.1)
     expected = np.interp(found.time_s, true["t"], true["vt"])  # of the probe, nearly
     expected -= expected.mean()
     error = speed.values - speed.values.mean() - expected

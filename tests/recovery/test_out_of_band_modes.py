@@ -105,6 +105,7 @@ def test_few_sensors_and_a_prediction_that_is_30_percent_wrong(store: Store, des
     assert np.mean(count_covered(omitted, truth)) < 0.6 or is_suspect
 
 
+@pytest.mark.long
 def test_a_prediction_that_is_50_percent_wrong(store: Store):
     """Here -64 is missing from the predicted 19 of a derivative; relative to 19, 10 sigma."""
     maneuver_id, truth = add_design(store, TAILLESS_10_FT, seed=5, error=0.5)

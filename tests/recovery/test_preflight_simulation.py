@@ -10,7 +10,7 @@ from lagging_flight import estimate_with_shape
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.demo.independent_surfaces import add_independent
+from flexsid.demo.independent_surfaces import NAME
 from flexsid.errors import BadInput
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
@@ -230,7 +230,7 @@ def test_excitation_enters_before_the_mixer_where_a_design_has_its_commands(stor
 
 def estimate_independent(store: Store, axis: ModelAxis) -> EstimationRun:
     """Estimate the maneuver of the demonstration whose ten sides move independently."""
-    aircraft = add_independent(store)
+    (aircraft,) = store.aircraft.find(name=NAME)
     flown = next(m for m in store.maneuvers.find(aircraft_id=aircraft.id) if m.axis == COMBINED)
     request = EstimationRun(
         maneuver_id=flown.id or 0,
@@ -250,8 +250,11 @@ def add_design(store: Store, fta: int, duration_s: float = 24.0) -> ExcitationDe
 
 
 @pytest.mark.parametrize("axis", ["longitudinal", pytest.param("lateral", marks=pytest.mark.long)])
-def test_a_design_of_independent_sides_is_simulated_for_each_axis(store: Store, axis: ModelAxis):
+def test_a_design_of_independent_sides_is_simulated_for_each_axis(
+    independent_store: Store, axis: ModelAxis
+):
     """The maneuver of the run had the same amplitude, and its own harmonics of all ten sides."""
+    store = independent_store
     run = estimate_independent(store, axis)
     design = add_design(store, 556)
     (controller,) = store.controllers.find()  # of both axes
@@ -282,9 +285,10 @@ SYMMETRIC, ANTISYMMETRIC, INDEPENDENT = (
     ],
 )
 def test_every_standard_design_has_a_predicted_accuracy_and_a_simulation(
-    store: Store, axis: ModelAxis, rows: tuple[int, ...]
+    independent_store: Store, axis: ModelAxis, rows: tuple[int, ...]
 ):
     """Throttles, to which the model has no response, are omitted, and named."""
+    store = independent_store
     run = estimate_independent(store, axis)
     (controller,) = store.controllers.find()
     aids = [find_flight_test_aid(number) for number in rows]

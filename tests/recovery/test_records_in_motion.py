@@ -45,7 +45,13 @@ def hold_step(seed: int) -> Columns:
     return simulate(5.0, lambda time: make_pulses(time, (9.0, 1)), seed)
 
 
-@pytest.mark.parametrize("fly", [cut_pulses, begin_in_motion, hold_square, hold_step])
+@pytest.mark.parametrize(
+    "fly",
+    [
+        *(cut_pulses, hold_step),
+        *(pytest.param(one, marks=pytest.mark.long) for one in (begin_in_motion, hold_square)),
+    ],
+)
 def test_default_runs_hold_the_truth_in_their_standard_errors(
     store: Store, tmp_path: Path, fly: Callable[[int], Columns]
 ) -> None:

@@ -159,7 +159,7 @@ def test_flutter_and_factors_from_one_maneuver(store: Store, own_lattice, name: 
     assert abs(speed - flutter) < 2.0 * std
 
 
-@pytest.mark.parametrize("method", [Method.FRE, Method.EE])
+@pytest.mark.parametrize("method", [_long(Method.FRE), Method.EE])
 def test_other_estimators_find_the_factors(store: Store, own_lattice, method: Method):
     shape, start = own_lattice
     name = "065Vf_n2_fta506"
@@ -235,6 +235,7 @@ def test_held_out_frequencies_decide_between_aerodynamic_models(
         assert "the data reach k = 0.14" in found.sentence
 
 
+@pytest.mark.long
 def test_turbulence_near_flutter_hides_no_lag(store: Store):
     """Feedback moves the surfaces with it: taken as exact they gave 30 m/s, and no decision."""
     aircraft = add_aircraft(store, unsteady=True)

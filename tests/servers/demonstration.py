@@ -1,6 +1,6 @@
-"""The demonstration campaign and one maneuver of it.
+"""The demonstration campaign, one maneuver of it, and the aircraft with independent surfaces.
 
-Both are simulated once for all tests and cached until their code changes.
+They are simulated once for all tests and cached until their code changes.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from flexsid.demo.campaign import add_aircraft, add_campaign, add_maneuver
 from flexsid.demo.flights import fly
+from flexsid.demo.independent_surfaces import add_independent
 from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
@@ -43,6 +44,11 @@ RUN_IDS = [1, 2, 3, 4]
 def flown_file() -> Path:
     """Database with FLEX-28, one flown maneuver and an EE run of it; copy it before a change."""
     return _cached("-flown", _fly)
+
+
+def independent_file() -> Path:
+    """Database with FLEX-28 with independent surfaces and its flight; copy it before a change."""
+    return _cached("-independent", _fly_independent)
 
 
 def add_flown_maneuver(url: str) -> None:
@@ -85,6 +91,13 @@ def _cached(suffix: str, fill: Callable[[Path], None]) -> Path:
 def _fly(file: Path) -> None:
     upgrade(f"sqlite:///{file}")
     add_flown_maneuver(f"sqlite:///{file}")
+
+
+def _fly_independent(file: Path) -> None:
+    upgrade(f"sqlite:///{file}")
+    store = Store.open(f"sqlite:///{file}")
+    add_independent(store)
+    store.close()
 
 
 def _simulate(file: Path) -> None:

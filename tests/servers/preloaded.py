@@ -1,22 +1,27 @@
-"""Servers, dispatchers, workers and streams forked from a process with the libraries loaded.
+"""Commands, dispatchers, workers and streams forked from a process with the libraries loaded.
 
 Importing the libraries takes longer than most tests of servers. These processes run the same
-programs as those of ``flexsid.jobs.child`` and the command ``flexsid serve``, which the tests of
-`jobs`, `cli` and `e2e/test_lost_server.py` start.
+programs as those of ``flexsid.jobs.child`` and the installed command, which the tests of `jobs` and
+`cli`, `e2e/test_lost_server.py`, `shipped/test_imports.py` and `docs/test_tutorials.py` start.
 """
 
 from __future__ import annotations
 
+import atexit
 import multiprocessing
 import os
 import sys
-from collections.abc import Iterator
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -26,12 +31,23 @@ from flexsid.streams import live_streams, stream_process
 
 _is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
-_FORKING.set_forkserver_preload(
-    [
-        *("flexsid.cli.serve", "flexsid.jobs.kinds"),
-        *("flexsid.streams.stream_process", "flexsid.streams.estimate_process"),
-    ]
-)
+_FORKING.set_forkserver_preload(["loaded_modules"])
+
+
+def _fork(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
+    """Start a function in a process that is forked with the libraries loaded."""
+    # A forked process forks its programs itself: it has the libraries loaded, and another fork
+    # server would import them again, for seconds.
+    if _is_forked:
+        forked: BaseProcess = multiprocessing.get_context("fork").Process(target=target, args=args)
+    else:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("PYTHONPATH", str(Path(__file__).parent))
+            forkserver.ensure_running()
+        forked = _FORKING.Process(target=target, args=args)
+    forked.daemon = False
+    forked.start()
+    return forked
 
 
 class PreloadedProgram(Program):
@@ -41,13 +57,7 @@ class PreloadedProgram(Program):
         self.connection, child_connection = multiprocessing.Pipe()
         child_lifeline, lifeline = multiprocessing.Pipe(duplex=False)
         self._lifeline = os.dup(lifeline.fileno())
-        # A forked process forks its programs itself: it has the libraries loaded, and another
-        # fork server would import them again, for seconds.
-        context = multiprocessing.get_context("fork") if _is_forked else _FORKING
-        self._forked = context.Process(
-            target=_run, args=(module, child_connection, child_lifeline), daemon=False
-        )
-        self._forked.start()
+        self._forked = _fork(_run, (module, child_connection, child_lifeline))
         for end in (child_connection, child_lifeline, lifeline):
             end.close()
 
@@ -78,24 +88,82 @@ def use_preloaded(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(live_streams, "Program", PreloadedProgram)
 
 
-def start_server(database: Path, port: int, log: Path) -> BaseProcess:
-    """Start ``flexsid serve`` on a database and port."""
-    server = _FORKING.Process(target=_serve, args=(database, port, log))
-    server.start()
-    return server
+class ForkedCommand:
+    """The command ``flexsid`` in a forked process, with the methods of ``subprocess.Popen``.
+
+    Parameters
+    ----------
+    arguments
+        Arguments of the command.
+    folder
+        Folder in which it is started.
+    environment
+        All variables of its environment.
+    output, errors
+        Files to which it appends its output and its errors, which may be the same.
+    """
+
+    def __init__(
+        self,
+        arguments: Sequence[str],
+        folder: Path,
+        environment: Mapping[str, str],
+        output: Path,
+        errors: Path,
+    ) -> None:
+        files = (str(output.resolve()), str(errors.resolve()))
+        command = [str(one) for one in arguments]
+        self._forked = _fork(_run_command, (command, str(folder), dict(environment), files))
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._forked.pid or 0
+
+    def poll(self) -> int | None:
+        """Return the exit code, negative for a signal; None while the process runs."""
+        return self._forked.exitcode
+
+    def wait(self, timeout: float | None = None) -> int | None:
+        """Wait for the end of the process, and return its exit code."""
+        self._forked.join(timeout)
+        return self._forked.exitcode
+
+    def terminate(self) -> None:
+        """Ask the process to end."""
+        self._forked.terminate()
+
+    def kill(self) -> None:
+        """Kill the process."""
+        self._forked.kill()
 
 
-def _serve(database: Path, port: int, log: Path) -> None:
+def _run_command(
+    arguments: list[str], folder: str, environment: dict[str, str], files: tuple[str, str]
+) -> None:
     global _is_forked
     _is_forked = True
-    with log.open("ab") as output:
-        for stream in (1, 2):
-            os.dup2(output.fileno(), stream)
-    os.environ["FLEXSID_PORT"] = str(port)
+    for stream, file in enumerate(files, start=1):
+        opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+        os.dup2(opened, stream)
+        os.close(opened)
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    tempfile.tempdir = None  # that of the environment, as the time zone
+    time.tzset()
+    sys.argv = ["flexsid", *arguments]
     from flexsid.cli.main import main
 
-    with _programs_of(dispatcher_process, dispatcher_process.__name__, count=1):
-        code = main(["serve", "--database", f"sqlite:///{database}"])
+    with ExitStack() as programs:
+        if arguments[:1] in (["serve"], ["demo"]):
+            programs.enter_context(
+                _programs_of(dispatcher_process, dispatcher_process.__name__, count=1)
+            )
+            programs.enter_context(_programs_of(live_streams, stream_process.__name__, count=1))
+        code = main()
+    # A process of ``multiprocessing`` ends without them.
+    atexit._run_exitfuncs()
     sys.exit(code)
 
 

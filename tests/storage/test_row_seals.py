@@ -20,6 +20,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 
 _WITHOUT_SEALS = ("arrays", "leases", "row_seals")
+_VERBS = ("UPDATE", "DELETE", "FROM", "INSERT", "INTO")
 
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
@@ -39,8 +40,10 @@ def find(url: str) -> list[ChangedRows]:
 
 def change(connection: sqlite3.Connection, statement: str, *values: object) -> None:
     """Change one row as the disk does, which knows no triggers."""
-    query = "SELECT name, sql FROM sqlite_master WHERE type = 'trigger'"
-    triggers = connection.execute(query).fetchall()
+    words = (word for word in statement.split() if word not in _VERBS)
+    query = "SELECT name, sql FROM sqlite_master WHERE type = 'trigger' AND tbl_name = ?"
+    triggers = connection.execute(query, (next(words),)).fetchall()
+    assert triggers, statement
     for name, _ in triggers:
         connection.execute(f"DROP TRIGGER {name}")
     assert connection.execute(statement, values).rowcount == 1

@@ -9,7 +9,7 @@ import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.demo.independent_surfaces import add_independent
+from flexsid.demo.independent_surfaces import NAME
 from flexsid.demo.truth_flight import FaultKind, SurfaceFault
 from flexsid.figures.time_histories import draw_surface_histories
 from flexsid.records.maneuver import Flight
@@ -42,8 +42,9 @@ def test_surfaces_follow_their_commands_through_the_servo_unless_they_are_stuck(
     assert np.std(found["wf2s"].measured.values) < radians(0.1)
 
 
-def test_left_and_right_surfaces_share_a_row(store: Store):
-    aircraft = add_independent(store)
+def test_left_and_right_surfaces_share_a_row(independent_store: Store):
+    store = independent_store
+    (aircraft,) = store.aircraft.find(name=NAME)
     (maneuver, *_) = store.maneuvers.find(aircraft_id=aircraft.id)
     assert maneuver.fta == 536
     found = read_surface_histories(store, maneuver.id or 0, 5.0, 6.0, points=200)
