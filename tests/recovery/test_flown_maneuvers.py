@@ -18,7 +18,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, Start
+from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
@@ -31,22 +31,12 @@ Estimates = dict[Method, tuple[np.ndarray, np.ndarray]]
 """Values and standard errors by method, in one order of the derivatives."""
 
 
-AS_FLOWN = RunSettings(out_of_band_modes=OutOfBandModes.OMITTED)
-"""Of flights of as many modes as are estimated."""
-
-
-def run(
-    store: Store,
-    maneuver_id: int,
-    method: Method,
-    modes: tuple[int, ...],
-    settings: RunSettings | None = None,
-) -> ComputedRun:
+def run(store: Store, maneuver_id: int, method: Method, modes: tuple[int, ...]) -> ComputedRun:
     request = EstimationRun(
         maneuver_id=maneuver_id,
         method=method,
         structure=Structure(modes=modes, fixed={}),
-        settings=settings or RunSettings(),
+        settings=RunSettings(),
     )
     return compute_run(prepare(store, request), lambda progress: None)
 
@@ -56,7 +46,7 @@ def estimate_all(
 ) -> Estimates:
     found: Estimates = {}
     for method in Method:
-        estimate = run(store, maneuver_id, method, modes, AS_FLOWN).estimate
+        estimate = run(store, maneuver_id, method, modes).estimate
         order = [estimate.names.index(name) for name in names]
         std = np.sqrt(np.diag(estimate.corrected_covariance))
         found[method] = estimate.values[order], std[order]
@@ -168,7 +158,7 @@ def test_motion_that_outlasts_the_record_is_taken_into_account(store: Store):
     flown = fly(modes_in_truth=2, absent=absent, noise=False)
     maneuver = add_maneuver(store, flown, _flight(store))
     assert maneuver.id is not None
-    found = run(store, maneuver.id, Method.OE, MODES[2], AS_FLOWN).estimate
+    found = run(store, maneuver.id, Method.OE, MODES[2]).estimate
     truth = flown.truth.named()
     values = dict(zip(found.names, found.values, strict=True))
     (block,) = found.lines
