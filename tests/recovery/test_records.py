@@ -13,7 +13,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
@@ -37,8 +37,6 @@ AUTHORS = {
     "q": 0.714, "az_cf": 0.451, "az_cr": 0.606, "az_lf": 0.533, "az_lr": 0.571,
     "az_rf": 0.437, "az_rr": 0.487,
 }  # fmt: skip
-AS_FLOWN = RunSettings(out_of_band_modes=OutOfBandModes.OMITTED)
-"""Of records of as many modes as are estimated."""
 
 flex28 = pytest.mark.skipif(
     not FLEX28.is_dir(), reason="independent FLEX-28 records are not beside the project"
@@ -80,8 +78,7 @@ def test_matched_order_recovers_the_truth_within_its_error_bars(store, name, mod
     add_aircraft(store)
     mapping = PROJECT / "examples" / "flex28" / "record.toml"
     maneuver = import_maneuver(store, [FLEX28 / f"{name}.npz"], mapping)
-    structure = Structure(modes=modes, fixed={})
-    found = estimate(store, maneuver.id, method, structure, AS_FLOWN).estimate
+    found = estimate(store, maneuver.id, method, Structure(modes=modes, fixed={})).estimate
     truth = load_truth().derivatives_at(0.5, len(modes)).named()
     error = np.array(
         [
@@ -104,8 +101,7 @@ def test_noise_free_record_is_matched_to_a_thousandth(store, name, modes):
     add_aircraft(store)
     mapping = PROJECT / "examples" / "flex28" / "record-noise-free.toml"
     maneuver = import_maneuver(store, [FLEX28 / f"{name}.npz"], mapping)
-    structure = Structure(modes=modes, fixed={})
-    found = estimate(store, maneuver.id, Method.OE, structure, AS_FLOWN).estimate
+    found = estimate(store, maneuver.id, Method.OE, Structure(modes=modes, fixed={})).estimate
     (block,) = found.lines
     misfit = np.linalg.norm(block.measured - block.fitted, axis=0)
     relative = misfit / np.linalg.norm(block.measured, axis=0)
