@@ -9,7 +9,7 @@ from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import POSTERIOR, RUN
 from flexsid.records.decision import Structure
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, Start
+from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
@@ -19,7 +19,7 @@ def estimate(store: Store, method: Method) -> int:
         maneuver_id=1,
         method=method,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(start=Start.PREDICTION, out_of_band_modes=OutOfBandModes.OMITTED),
+        settings=RunSettings(start=Start.PREDICTION),
     )
     return execute_run(store, run, RUN, lambda _: None).id or 0
 

@@ -125,7 +125,7 @@ def test_estimates_dominated_by_the_prior_raise_a_warning(flown_url: str):
         maneuver_id=1,
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(priors=priors, out_of_band_modes=OutOfBandModes.OMITTED),
+        settings=RunSettings(priors=priors),
     )
     found = compute_run(prepare(store, run), lambda progress: None).warnings
     (text,) = [one for one in found if "prior" in one]
