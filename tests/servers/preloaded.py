@@ -1,8 +1,8 @@
 """Commands, dispatchers, workers and streams forked from a process with the libraries loaded.
 
 Importing the libraries takes longer than most tests of servers. These processes run the same
-programs as those of ``flexsid.jobs.child`` and the installed command, which the tests of `jobs` and
-`cli`, `e2e/test_lost_server.py`, `shipped/test_imports.py` and `docs/test_tutorials.py` start.
+programs as those of ``flexsid.jobs.child`` and the installed command, which the tests of `jobs`,
+`cli` and `shipped`, `e2e/test_lost_server.py` and `docs/test_tutorials.py` start.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""The command ``flexsid``, and a server that it has started.
+"""The command ``flexsid`` as it is installed, and a server that it has started.
 
 Tests of this kind act as a user does, through the command and the port, and import nothing of
-flexsid: a promise that holds only in the process of a test is found out. The command runs in a
-process of its own, forked with the libraries loaded (``preloaded.py``); that of another
-environment, or with variables of Python, is started as it is installed.
+flexsid: a promise that holds only in the process of a test is found out.
 """
 
 from __future__ import annotations
@@ -12,20 +10,17 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import httpx2
 from ports import find_free_port
-from preloaded import ForkedCommand
 from waiting import PATIENCE_S, wait_until
 
-_INSTALLED = Path(sys.executable).parent / "flexsid"
-PROGRAM = _INSTALLED
+PROGRAM = Path(sys.executable).parent / "flexsid"
 API = "/api/v1"
 PASSWORD = "correct horse battery"
 _UNDER_WAY = ("queued", "running")
@@ -37,35 +32,19 @@ def make_environment(**variables: str) -> dict[str, str]:
     return {**own, **variables}
 
 
-def _start(
-    folder: Path,
-    arguments: Sequence[str],
-    variables: Mapping[str, str],
-    output: Path,
-    errors: Path,
-) -> subprocess.Popen[bytes] | ForkedCommand:
-    environment = make_environment(**variables)
-    if PROGRAM == _INSTALLED and not any(name.startswith("PYTHON") for name in variables):
-        return ForkedCommand(arguments, folder, environment, output, errors)
-    with output.open("ab") as to_output, errors.open("ab") as to_errors:
-        return subprocess.Popen(
-            [PROGRAM, *arguments], cwd=folder, env=environment, stdout=to_output, stderr=to_errors
-        )
-
-
 def run_command(
     folder: Path, database: str, *arguments: str, **variables: str
 ) -> subprocess.CompletedProcess[str]:
     """Run ``flexsid`` in a folder and return what it printed."""
-    command = [*arguments, "--database", database]
-    with TemporaryDirectory() as kept:
-        output, errors = Path(kept) / "output", Path(kept) / "errors"
-        process = _start(folder, command, variables, output, errors)
-        code = process.wait(PATIENCE_S)
-        if code is None:
-            process.kill()
-            raise TimeoutError(f"flexsid {' '.join(command)} has not ended")
-        return subprocess.CompletedProcess(command, code, output.read_text(), errors.read_text())
+    return subprocess.run(
+        [PROGRAM, *arguments, "--database", database],
+        cwd=folder,
+        env=make_environment(**variables),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
 
 
 def ask_command(folder: Path, database: str, *arguments: str) -> Any:
@@ -80,7 +59,7 @@ class Server:
     """A server that runs, and the process that serves."""
 
     port: int
-    process: subprocess.Popen[bytes] | ForkedCommand
+    process: subprocess.Popen[bytes]
     log: Path
     clients: list[httpx2.Client] = field(default_factory=list)
 
@@ -146,8 +125,14 @@ def serving(
 ) -> Iterator[Server]:
     """Start ``flexsid serve`` in a folder, until the block ends."""
     port, log = find_free_port(), folder / "server.log"
-    arguments = (command, "--database", database, *options)
-    process = _start(folder, arguments, {"FLEXSID_PORT": str(port), **variables}, log, log)
+    with log.open("ab") as output:
+        process = subprocess.Popen(
+            [PROGRAM, command, "--database", database, *options],
+            cwd=folder,
+            env=make_environment(FLEXSID_PORT=str(port), **variables),
+            stdout=output,
+            stderr=output,
+        )
     server = Server(port, process, log)
     try:
         probe = server.connect().http
