@@ -28,6 +28,7 @@ _RECORDED = (
     *(channels.c.name, channels.c.unit, channels.c.role, channels.c.rate_hz),
     *(channels.c.start_s, channels.c.sensor, channels.c.array),
 )
+_NUMBERS = (channels.c.rate_hz, channels.c.start_s)
 _FLOWN = (
     *(maneuvers.c.start_s, maneuvers.c.duration_s, maneuvers.c.condition),
     *(maneuvers.c.axis, maneuvers.c.excitation),
@@ -61,17 +62,26 @@ def _select_texts(
     key: sa.Column[int],
     columns: Iterable[sa.ColumnElement[Any]],
     condition: sa.ColumnElement[bool] | None = None,
-) -> sa.Select[int, str]:
-    """Return the query of the rows of each ``ids``, as one text."""
+    numbers: Sequence[sa.Column[float]] = (),
+) -> sa.Select[*tuple[Any, ...]]:
+    """Return the query of the rows of each ``ids``, as one text for each group of equal numbers.
+
+    SQLite takes as long to write a number as to write five texts, and most are equal.
+    """
     row = reduce(lambda one, other: one.concat(other), map(_Quoted, columns))
     texts = sa.func.aggregate_strings(row, ",")
-    query = sa.select(key, texts).where(key.in_(sa.bindparam("ids", expanding=True)))
-    return (query if condition is None else query.where(condition)).group_by(key)
+    query = sa.select(key, *numbers, texts).where(key.in_(sa.bindparam("ids", expanding=True)))
+    grouped = query.group_by(key, *numbers).order_by(key, *numbers)
+    return grouped if condition is None else grouped.where(condition)
 
 
 _MANEUVER_TEXTS = (
     _select_texts(maneuvers.c.id, _FLOWN),
-    _select_texts(channels.c.maneuver_id, _RECORDED),
+    _select_texts(
+        channels.c.maneuver_id,
+        [column for column in _RECORDED if column not in _NUMBERS],
+        numbers=_NUMBERS,
+    ),
     _select_texts(
         conditioning_steps.c.maneuver_id,
         (conditioning_steps.c.id, conditioning_steps.c.correction),
@@ -152,14 +162,15 @@ def _read(table: sa.Table, connection: Connection, ids: Sequence[int]) -> dict[i
 
 def _hash_rows(
     connection: Connection,
-    texts: Sequence[sa.Select[int, str]],
+    texts: Sequence[sa.Select[*tuple[Any, ...]]],
     ids: Sequence[int],
     read: Callable[[Connection, Sequence[int]], dict[int, Any]],
 ) -> dict[int, str]:
     """Return the hash of the content of each id; content that was hashed before is not read."""
     digests: dict[int, Any] = {}
     for query in texts:
-        for number, text in connection.execute(query, {"ids": list(ids)}):
+        for number, *parts in connection.execute(query, {"ids": list(ids)}):
+            text = "\0".join(map(str, parts))
             digests.setdefault(number, hashlib.sha256()).update(text.encode() + b"\0")
     keys = {number: digest.digest() for number, digest in digests.items()}
     hashes = {number: _hashes[key] for number, key in keys.items() if key in _hashes}
