@@ -11,7 +11,7 @@ import {
 } from "../api/queries";
 import type { RunItem } from "../api/types";
 import { ButtonLink } from "../components/controls/ButtonLink";
-import { CampaignProgress } from "../components/maneuvers/CampaignProgress";
+import { CampaignProgress, useFirstSheet } from "../components/maneuvers/CampaignProgress";
 import { GroundTestAlarm } from "../components/frame/GroundTestAlarm";
 import { Loaded } from "../components/display/Loaded";
 import { PageHead } from "../components/frame/PageHead";
@@ -25,6 +25,7 @@ const LINES = 6;
 
 /** Start page: running and failed runs, proposals awaiting review, recent data, next step. */
 export function StartPage() {
+  useFirstSheet();
   const maneuvers = useQuery(maneuverFacetsQuery({}));
   const runs = useQuery(runFacetsQuery({}));
   const inState = (state: string) =>
