@@ -230,6 +230,8 @@ async def _write_updates(
     """Yield the text of each update, until the session ends or the server stops."""
     access, checked = get_access(), 0.0
     async for update in live.listen(after):
+        # Not for an update of another campaign, of which nothing is told.
+        silence = KEEPALIVE_COMMENT if update.is_empty else b""
         is_due = (
             update.events
             or update.running
@@ -245,7 +247,7 @@ async def _write_updates(
             update, access = visible
             checked = time.monotonic()
         samples = b"".join(text for one in update.streams for text in reader.read(one, access))
-        if text := update.text + samples or (KEEPALIVE_COMMENT if update.is_empty else b""):
+        if text := update.text + samples or silence:
             yield text
 
 
