@@ -230,7 +230,7 @@ async def _write_updates(
     """Yield the text of each update, until the session ends or the server stops."""
     access, checked = get_access(), 0.0
     async for update in live.listen(after):
-        # Not for an update of another campaign, of which nothing is told.
+        # Not for an update of another campaign, which this reader does not see.
         silence = KEEPALIVE_COMMENT if update.is_empty else b""
         is_due = (
             update.events
