@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.jobs.kind import Kind  # now, and not within the time limit of a task
 from flexsid.records.run import Fit, ParameterEstimate, Progress, RunResult
 
 if TYPE_CHECKING:
-    from flexsid.jobs.kind import Kind, Kinds
+    from flexsid.jobs.kind import Kinds
     from flexsid.records.job import Job
     from flexsid.storage.store import Store
 
@@ -38,8 +39,6 @@ class EveryKind(dict[str, "Kind[Any, Any]"]):
         return True
 
     def __missing__(self, name: str) -> Kind[Any, Any]:
-        from flexsid.jobs.kind import Kind
-
         return Kind(
             name=name,
             label=name,

@@ -103,7 +103,7 @@ def test_an_endless_loop_is_stopped_and_leaves_no_process(
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    run = add_job(f"loop {tmp_path}/pid", limits=Limits(time_s=6.0))  # it has begun by then
+    run = add_job(f"loop {tmp_path}/pid", limits=Limits(time_s=2.0))
     dispatcher.start()
     worker = process_of(tmp_path / "pid")
     assert until(run).state is RunState.FAILED
