@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.jobs.kind import Kind  # now, and not within the time limit of a task
 from flexsid.records.run import Fit, ParameterEstimate, Progress, RunResult
 
 if TYPE_CHECKING:
-    from flexsid.jobs.kind import Kinds
+    from flexsid.jobs.kind import Kind, Kinds
     from flexsid.records.job import Job
     from flexsid.storage.store import Store
 
@@ -33,20 +32,37 @@ class Request:
 
 
 class EveryKind(dict[str, "Kind[Any, Any]"]):
-    """A stub for every name; the kinds are not imported, so that workers start quickly."""
+    """A stub for every name."""
 
     def __contains__(self, name: object) -> bool:
         return True
 
-    def __missing__(self, name: str) -> Kind[Any, Any]:
-        return Kind(
-            name=name,
-            label=name,
+    def __missing__(self, name: str) -> Any:
+        return Stub(name)
+
+
+class Stub:
+    """A kind that is imported where more than its computation is used: workers start quickly."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    @staticmethod
+    def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[str, Any]:
+        return compute(task, report)
+
+    def __getattr__(self, name: str) -> Any:
+        from flexsid.jobs.kind import Kind
+
+        made: Kind[Any, Any] = Kind(
+            name=self._name,
+            label=self._name,
             request=Request,
             prepare=prepare,
             compute=compute,
-            save=save_run if name == "estimation" else save,
+            save=save_run if self._name == "estimation" else save,
         )
+        return getattr(made, name)
 
 
 def load() -> Kinds:

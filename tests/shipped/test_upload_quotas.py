@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 from rigid_record import simulate_doublet, write_record
 from shipped import Client, serving
 
@@ -18,6 +19,22 @@ def write_unallocated(path: Path) -> Path:
             file.create_dataset(f"d{number}", (12_500_000,), "f8", chunks=(1_000_000,))
     assert path.stat().st_size < 10_000
     return path
+
+
+def write_zeros(folder: Path, n_samples: int) -> list[Path]:
+    """The same zeros in files of a few kilobytes, each in another form."""
+    zeros = np.zeros(n_samples)
+    chunks, deflated, archive, matlab = (
+        folder / name for name in ("chunks.h5", "deflated.h5", "archive.npz", "matlab.mat")
+    )
+    with h5py.File(chunks, "w") as file:
+        file.create_dataset("q", (n_samples,), "f8", chunks=(n_samples,))
+    with h5py.File(deflated, "w") as file:
+        file.create_dataset("q", data=zeros, chunks=(n_samples,), compression="gzip")
+    np.savez_compressed(archive, q=zeros)
+    savemat(matlab, {"q": zeros}, do_compression=True)
+    assert all(path.stat().st_size < 10_000 for path in (chunks, deflated, archive, matlab))
+    return [chunks, deflated, archive, matlab]
 
 
 def write_samples(path: Path, n_bytes: int) -> Path:
@@ -83,3 +100,18 @@ def test_uploads_beyond_a_quota_are_refused_until_some_are_imported_or_deleted(
         assert send(client, filling)[0] == 201, "what is imported gives way"
         assert client.request("get", f"uploads/{imported}").status_code == 404
         assert client.get("maneuvers")["items"]
+
+
+@pytest.mark.long
+def test_a_thousand_small_files_leave_most_of_the_disk(tmp_path: Path) -> None:
+    served = tmp_path / "served"
+    served.mkdir()
+    paths = [write_unallocated(tmp_path / "flight.h5"), *write_zeros(tmp_path, 120_000)]
+    with serving(served, f"sqlite:///{served / 'flexsid.db'}") as server:
+        client = server.connect()
+        answers = [send(client, paths[k % len(paths)]) for k in range(1_000)]
+        size = sum(one.stat().st_size for one in served.rglob("*") if one.is_file())
+        assert client.get("maneuvers")["items"] == []
+    print(f"{size / 1e9:.2f} GB, {sum(one[0] == 201 for one in answers)} uploads kept")
+    assert size < 2e9
+    assert {one[:2] for one in answers} == {(201, ""), (413, "content-too-large")}
