@@ -68,6 +68,7 @@ def test_a_record_is_printed_with_errors_units_and_tables() -> None:
         "  gain             1.5 ± 0.25",
         "  number of modes  2",
         "  outputs          q, az",
+        "  spectrum         100 values; --json writes them",
         "  modes",
         "    name  frequency [Hz]",
         "    SW1B  2.98 ± 0.04",

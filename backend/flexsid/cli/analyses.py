@@ -46,7 +46,7 @@ def run_analysis(settings: Settings, arguments: argparse.Namespace) -> int:
 def format_record(record: Any) -> Iterator[str]:
     """Yield the lines of a record: what it is of, its sentence and values, and tables of its rows.
 
-    Lists of more than a few numbers are left out.
+    Of lists of more than a few numbers the length is stated.
     """
     lines = list(_format_values(record))
     yield from lines
@@ -86,7 +86,7 @@ def _list_cells(record: Any) -> dict[str, str]:
     return {
         _name(name): _format(value, given.get(errors.get(name, "")))
         for name, value in given.items()
-        if name not in {*errors.values(), "warnings"} and _is_short(value)
+        if name not in {*errors.values(), "warnings"} and _is_printed(value)
     }
 
 
@@ -98,9 +98,9 @@ def _find_error(name: str, given: dict[str, Any]) -> str | None:
     return next((one for one in known if one in given), None)
 
 
-def _is_short(value: Any) -> bool:
+def _is_printed(value: Any) -> bool:
     if isinstance(value, tuple | list):
-        return len(value) <= _MOST and not any(map(is_dataclass, value))
+        return not any(map(is_dataclass, value))
     return value is None or isinstance(value, str | int | float | dict | Enum)
 
 
@@ -120,9 +120,12 @@ def _format(value: Any, error: float | None = None) -> str:
         case Enum():
             return str(value.value)
         case float():
-            return f"{value:.5g}" if error is None else f"{value:.5g} ± {error:.2g}"
+            # That of the damping ratio of a real root, which is 1 or -1, is 0.
+            return f"{value:.5g} ± {error:.2g}" if error else f"{value:.5g}"
         case dict():
             return ", ".join(f"{key}: {_format(one)}" for key, one in value.items())
+        case tuple() | list() if len(value) > _MOST:
+            return f"{len(value)} values; --json writes them"
         case tuple() | list():
             return ", ".join(map(_format, value))
     return str(value)
