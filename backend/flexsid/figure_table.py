@@ -308,6 +308,11 @@ class _Bode(_Maneuver):
     windowed: bool = Field(
         False, description="From averaged windows, as if no harmonics were known."
     )
+    selected: _Text = Field(
+        None,
+        max_length=64,
+        description="Parameter of the runs: also the frequencies on which its estimates rest.",
+    )
     view: View = "bode"
     frequency_scale: AxisScale = Field("log", description="Scale of the frequencies.")
     magnitude_scale: MagnitudeScale = Field("dB", description="Scale of the magnitudes.")

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from scipy.io import savemat
 from rigid_record import simulate_doublet, write_record
+from scipy.io import savemat
 from shipped import Client, serving
 
 

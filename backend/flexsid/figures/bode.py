@@ -24,8 +24,9 @@ from flexsid.figures.spec import (
     title,
     vertical_mark,
 )
+from flexsid.nomenclature import describe
 from flexsid.records.run import Method
-from flexsid.records.views import Bode, FitPlot, FitTrace, Response
+from flexsid.records.views import Bode, FitPlot, FitTrace, NoiseShares, Response
 
 # --- Frequency responses: magnitude over phase per output, inputs overlaid (Figs 5, 6, 11 and 15)
 
@@ -48,7 +49,7 @@ def draw_bode(
     """Draw measured responses as markers with ±2 standard errors, models as curves.
 
     ``nichols`` draws magnitude in dB over phase, ``nyquist`` the complex plane. The scales are
-    those of a Bode plot.
+    those of a Bode plot, below which the shares of noise of a selected parameter stand.
     """
     responses = value.measured + value.models
     outputs = {
@@ -65,7 +66,7 @@ def draw_bode(
         else _lay_out_planes(outputs, view)
     )
     layout["meta"] = {
-        "rows": n_rows * len(outputs) * (1 if view == "bode" else 2),
+        "rows": n_rows * len(outputs) * (1 if view == "bode" else 2) + bool(value.noise_shares),
         "blanked": _list_blanked(value),
         "agreement": value.agreement,
     }
@@ -77,6 +78,9 @@ def draw_bode(
             data += _draw_rows(response, first, shared, magnitude_scale)
         else:
             data.append(_draw_locus(response, first, shared, view))
+    if view == "bode":
+        last = n_rows * len(outputs) + 1
+        data += [_draw_noise_shares(one, last) for one in value.noise_shares]
     return {"data": data, "layout": {**layout, "showlegend": True, "hovermode": "closest"}}
 
 
@@ -110,6 +114,10 @@ def _lay_out_rows(
         if coherent:
             axes.append({**title("Coherence"), "range": [0, 1.05]})
     heights = [1.4, 1.0, *[0.6] * coherent] * len(outputs)
+    if value.noise_shares:
+        label = describe(value.noise_shares[0].name).html
+        axes.append({**title(f"{label} noise<br>[%]"), "rangemode": "tozero"})
+        heights.append(0.6)
     frequency = quantities.of_unit("Frequency", "Hz")
     layout = stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
     marks = []
@@ -229,6 +237,27 @@ def _draw_rows(response: Response, first: int, shared: Spec, scale: MagnitudeSca
             errors = np.nan_to_num(factor * reach)
             trace["error_y"] = error_bars(errors, colour, 1.0, thickness=1, width=0)
     return traces
+
+
+def _draw_noise_shares(value: NoiseShares, row: int) -> Spec:
+    """Draw the share of each frequency as a line from zero."""
+    frequency = quantities.of_unit("Frequency", "Hz")
+    percent = 100.0 * value.shares
+    bottom, gap = np.zeros_like(percent), np.full_like(percent, np.nan)
+    label = describe(value.name).html
+    return scatter(
+        np.repeat(frequency.factor * value.frequency_hz, 3),
+        np.stack([bottom, percent, gap], axis=1).reshape(-1),
+        row=row,
+        name=f"noise of {label}",
+        mode="lines",
+        line={"color": style.GREY, "width": 3},
+        legendgroup=f"noise {value.run_id}",
+        showlegend=False,
+        meta={"parameter": value.name, "run_id": value.run_id},
+        hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>%{{y:.1f}} % of the noise variance"
+        f"<extra>{label}, run {value.run_id}</extra>",
+    )
 
 
 def _draw_locus(response: Response, number: int, shared: Spec, view: View) -> Spec:

@@ -212,11 +212,24 @@ class Response:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class NoiseShares:
+    """Share of the noise variance of one parameter of a run that each frequency has, (M,).
+
+    An estimate rests on the frequencies of large shares.
+    """
+
+    run_id: int
+    name: str
+    frequency_hz: np.ndarray
+    shares: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bode:
     """Measured frequency responses with the models laid over them.
 
     ``agreement`` is, by input, the probability that maneuvers which were averaged
-    differ as much by chance.
+    differ as much by chance. ``noise_shares`` are those of a selected parameter, by run.
     """
 
     maneuver_id: int
@@ -225,6 +238,7 @@ class Bode:
     models: tuple[Response, ...]
     modes: tuple[ModeMarker, ...]
     agreement: dict[str, float] = field(default_factory=dict[str, float])
+    noise_shares: tuple[NoiseShares, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

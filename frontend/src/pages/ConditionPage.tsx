@@ -373,6 +373,8 @@ function Responses({ sheet, view, onChange }: PartProps) {
   const input = chosen ?? sheet.inputs.at(-1);
   if (input === undefined || sheet.outputs.length === 0) return null;
   const shown = shownOutputs(sheet, sensor);
+  const row = sheet.rows.find((one) => one.name === view.selected);
+  const estimated = row?.std_error != null;
   return (
     <section className="sheet-part" aria-label="Frequency responses">
       <h2>
@@ -396,6 +398,7 @@ function Responses({ sheet, view, onChange }: PartProps) {
           output: shown,
           inputs: [input],
           run_id: sheet.reference_run_id,
+          selected: estimated ? view.selected : undefined,
         }}
       />
     </section>

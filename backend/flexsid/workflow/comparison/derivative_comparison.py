@@ -35,9 +35,9 @@ from flexsid.sysid.estimation.agreement import (
     compute_joint_covariance,
     compute_limit,
 )
-from flexsid.sysid.estimation.estimate import ErrorComponents
 from flexsid.sysid.model.derivatives import RIGID_BODIES
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
+from flexsid.workflow.comparison.error_causes import load_components
 from flexsid.workflow.model_structures.model_structures import get_result
 
 # --- Joint errors of runs: the covariance between their estimates of every derivative -------------
@@ -61,7 +61,7 @@ def compute_covariances(
         total[at] = [p.std_error or np.nan for p in result.parameters]
         held[at, number] = [p.held_std for p in result.parameters]
         std_errors.append(np.sqrt(np.maximum(total**2 - held[:, number] ** 2, 0.0)))
-        found = None if result.error_causes is None else _load_components(store, result)
+        found = load_components(store, result)
         if found is not None:
             from_names = np.zeros((len(names), len(at)))
             from_names[at, np.arange(len(at))] = 1.0
@@ -72,18 +72,6 @@ def compute_covariances(
     covariance = compute_joint_covariance(std_errors, components, maneuvers)
     covariance += held[:, :, None] * held[:, None, :]
     return dict(zip(names, covariance, strict=True))
-
-
-def _load_components(store: Store, result: RunResult) -> ErrorComponents | None:
-    """Load the error components of a run, by the order of its parameters."""
-    causes = result.error_causes
-    if causes is None:
-        return None
-    arrays = store.arrays.get_many([causes.omega, causes.components])
-    ends = np.cumsum(causes.n_frequencies)
-    *noise, prior = np.split(arrays[causes.components].astype(float), ends, axis=1)
-    omega = np.split(arrays[causes.omega], ends[:-1])
-    return ErrorComponents(tuple(omega), tuple(noise), causes.priors, prior)
 
 
 # --- Compare derivatives of runs and predictions (Fig. 17) ----------------------------------------

@@ -18,7 +18,6 @@ from flexsid.records.decision import Structure
 from flexsid.records.maneuver import COMBINED, Condition, Maneuver, Role
 from flexsid.records.run import (
     Aerodynamics,
-    ErrorCauses,
     EstimationRun,
     Fit,
     FitBlock,
@@ -37,7 +36,6 @@ from flexsid.storage.arrays import describe_array
 from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import (
-    ErrorComponents,
     Estimate,
     compute_output_fit,
     compute_parameter_quality,
@@ -71,6 +69,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_shaped_prediction,
 )
 from flexsid.workflow.aircraft.flight_condition import list_wrong_conditions
+from flexsid.workflow.comparison.error_causes import store_error_causes
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.fits.estimation_task import (
     ComputedRetainedModes,
@@ -344,36 +343,12 @@ def store_result(
             else _describe_retained_modes(retained, whole_covariance),
             adequacy=computed.adequacy,
             symmetry=computed.symmetry,
-            error_causes=_store_error_causes(store, estimate.components, maneuver_ids),
+            error_causes=store_error_causes(store, estimate.components, maneuver_ids),
             shape_spread=computed.shape_spread,
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
         )
-
-
-def _store_error_causes(
-    store: Store, components: ErrorComponents | None, maneuver_ids: tuple[int, ...]
-) -> ErrorCauses | None:
-    """Store the errors by their causes in single precision; None where some are not known."""
-    if components is None or any(one.shape[1] == 0 for one in components.noise):
-        return None
-    matrix = np.concatenate([*components.noise, components.prior], axis=1)
-    if not np.isfinite(matrix).all():
-        return None
-    omega, values = store.arrays.put_many(
-        [
-            describe_array(np.concatenate(components.omega), "rad/s"),
-            describe_array(matrix.astype(np.float32)),
-        ]
-    )
-    return ErrorCauses(
-        maneuver_ids=maneuver_ids,
-        n_frequencies=tuple(one.size for one in components.omega),
-        omega=omega,
-        priors=components.prior_names,
-        components=values,
-    )
 
 
 def _describe_retained_modes(found: ComputedRetainedModes, covariance: str) -> RetainedModes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +10,14 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import list_surface_parts
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.views import Blanked, Bode, LoopCurve, LoopPlot, Response
+from flexsid.records.run import EstimationRun
+from flexsid.records.views import Blanked, Bode, LoopCurve, LoopPlot, NoiseShares, Response
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.response import combine_responses, find_unreliable_points, relative_std
 from flexsid.sysid.stability.closed_loop import estimate_loop_gains
 from flexsid.workflow.aircraft.aircraft_models import define_outputs, get_servo
+from flexsid.workflow.comparison.error_causes import read_noise_shares
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.runs.exports import IdentifiedModel, load_identified_model
@@ -45,6 +47,7 @@ def compute_bode(
     average: bool = False,
     rigid: bool = False,
     windowed: bool = False,
+    selected: str | None = None,
 ) -> Bode:
     """Read frequency responses of outputs to inputs; to all excited inputs by default.
 
@@ -65,11 +68,14 @@ def compute_bode(
         Also responses of the models with rigid-body sensors (C_e = 0).
     windowed
         From averaged windows, as always without harmonics (sweeps, doublets).
+    selected
+        Parameter of the runs: also the frequencies on which its estimates rest.
 
     Raises
     ------
     BadInput
-        If an input was not excited, or the excitation is not known.
+        If an input was not excited, the excitation is not known, or a run did not estimate the
+        selected parameter.
     """
     names = tuple(dict.fromkeys(outputs))
     if not names:
@@ -78,23 +84,22 @@ def compute_bode(
     first = maneuvers[0]
     columns = [_measure_responses(store, m, names, windowed) for m in maneuvers]
     known = list_input_names(store, first)
-    selected = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
+    chosen = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
     for found in columns:
-        _check_excited(selected, found)
+        _check_excited(chosen, found)
     units = {
-        name: unit for name, (_, unit) in find_sampling(store, first, [*names, *selected]).items()
+        name: unit for name, (_, unit) in find_sampling(store, first, [*names, *chosen]).items()
     }
     probabilities: dict[str, float] = {}
     labels = [(m.id, m.label if len(maneuvers) > 1 else "") for m in maneuvers]
     if average and len(maneuvers) > 1:
         together = {
-            name: combine_responses([found[name].response for found in columns])
-            for name in selected
+            name: combine_responses([found[name].response for found in columns]) for name in chosen
         }
         probabilities = {name: value.probability for name, value in together.items()}
         columns = [{name: MeasuredColumn(value.response) for name, value in together.items()}]
         labels = [(None, f"average of {len(maneuvers)}")]
-    pairs = [(output, name) for output in names for name in selected]
+    pairs = [(output, name) for output in names for name in chosen]
     measured = tuple(
         replace(_build_response(found[name], output, units), maneuver_id=number, label=label)
         for output, name in pairs
@@ -135,7 +140,17 @@ def compute_bode(
             *(mark for run in runs for mark in find_identified_markers(run, band)),
         ),
         agreement=probabilities,
+        noise_shares=tuple(_read_noise_shares(store, runs, selected, maneuver_id)),
     )
+
+
+def _read_noise_shares(
+    store: Store, runs: Sequence[EstimationRun], selected: str | None, maneuver_id: int
+) -> Iterator[NoiseShares]:
+    for run in runs if selected else ():
+        found = read_noise_shares(store, run, selected or "", maneuver_id)
+        if found is not None:
+            yield found
 
 
 def _measure_responses(
