@@ -1,11 +1,10 @@
-import { Alert, Group, MultiSelect, SegmentedControl, Select, Stack, Text } from "@mantine/core";
+import { Alert, Group, SegmentedControl, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import {
   flutterResult,
   predictedFlutterResult,
   predictionsQuery,
-  runsQuery,
   type FlutterParams,
 } from "../api/queries";
 import type { QueryValue } from "../api/client";
@@ -14,6 +13,7 @@ import { useConversion } from "../api/units";
 import { useStoredResult } from "../api/useStoredResult";
 import { DataTable, numeric, type Column } from "../components/controls/DataTable";
 import { DerivedRuns } from "../components/runs/DerivedRuns";
+import { RunChoice } from "../components/runs/RunChoice";
 import { NumberField } from "../components/controls/NumberField";
 import { OutOfBandSwitch } from "../components/new-run/OutOfBandSwitch";
 import { ApprovedModelNote } from "../components/new-run/ApprovedModelNote";
@@ -43,7 +43,6 @@ import {
 import { ReportMenu } from "../components/controls/ReportMenu";
 import { Section } from "../components/display/Section";
 import { converted, fixed, hertz, percent } from "../lib/text/format";
-import { integers } from "../lib/urlState";
 import { FLUTTER_TABS, type FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
@@ -256,31 +255,16 @@ interface ChoicesProps {
 }
 
 function Choices({ view, tab, controllers, controller, result, onChange }: ChoicesProps) {
-  const runs = useQuery(runsQuery({ state: "succeeded" }));
   const predictions = useQuery(predictionsQuery());
   const airspeed = useConversion()("m/s");
   const prediction = predictions.data?.find((one) => one.id === view.prediction);
   return (
     <Stack gap="md">
-      <MultiSelect
-        label="Runs"
+      <RunChoice
         description="Method, modes and maneuver"
-        searchable
-        clearable
-        hidePickedOptions
-        maxDropdownHeight={320}
-        data-testid="flutter-runs"
-        data={(runs.data ?? []).map((run) => {
-          const ratio = run.airspeed_ratio;
-          const at = ratio == null ? "" : `, ${fixed(ratio, 2)} V/Vf`;
-          return {
-            value: String(run.id),
-            label: `${run.method} ${String(run.id)}: ${run.modes.join(" ")}, ${run.maneuver_label}${at}`,
-          };
-        })}
-        value={(view.runs ?? []).map(String)}
-        onChange={(ids) => {
-          onChange({ runs: integers(ids) });
+        selected={view.runs ?? []}
+        onChange={(runs) => {
+          onChange({ runs });
         }}
       />
       {tab === "closed-loop" ? (

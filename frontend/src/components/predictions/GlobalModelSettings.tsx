@@ -1,14 +1,10 @@
-import { Button, Checkbox, MultiSelect, Select, Stack } from "@mantine/core";
-import { useDebouncedValue } from "@mantine/hooks";
-import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
-import { useState } from "react";
-import { predictionsQuery, runListQuery } from "../../api/queries";
+import { Checkbox, Select, Stack } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { predictionsQuery } from "../../api/queries";
 import { QUANTITIES } from "../../lib/limits";
-import { integer, integers } from "../../lib/urlState";
+import { integer } from "../../lib/urlState";
 import { VARIABLES, type GlobalModelView } from "../../views";
-
-/** Runs of one request of the list. */
-const MOST_OFFERED = 200;
+import { RunChoice } from "../runs/RunChoice";
 
 export const DEFAULT_VARIABLES = ["dynamic_pressure_pa", "fuel_fraction"] as const;
 
@@ -19,54 +15,17 @@ interface Props {
 
 /** Runs, variables and prediction of a global model. */
 export function GlobalModelSettings({ view, onChange }: Props) {
-  const [typed, setTyped] = useState("");
-  const [search] = useDebouncedValue(typed, 300);
-  const runs = useInfiniteQuery(
-    runListQuery({ state: "succeeded", search: search || undefined }, "-id", MOST_OFFERED),
-  );
   const predictions = useQuery(predictionsQuery());
-  const offered = (runs.data?.pages ?? [])
-    .flatMap((page) => page.items)
-    .map((run) => ({
-      value: String(run.id),
-      label: `${run.method} ${String(run.id)}: ${run.modes.join(" ") || "rigid"}, ${run.maneuver_label}`,
-    }));
-  const listed = new Set(offered.map((one) => one.value));
-  const selected = (view.runs ?? []).map(String);
-  const others = selected
-    .filter((id) => !listed.has(id))
-    .map((id) => ({ value: id, label: `Run ${id}` }));
   return (
     <Stack gap="md">
-      <MultiSelect
-        label="Runs"
+      <RunChoice
         description="Of one axis and the same modes"
-        searchable
-        searchValue={typed}
-        onSearchChange={setTyped}
-        nothingFoundMessage="No succeeded run"
-        clearable
-        hidePickedOptions
-        maxDropdownHeight={320}
-        styles={{ pillsList: { maxHeight: 240, overflowY: "auto" } }}
-        data-testid="global-model-runs"
-        data={[...offered, ...others]}
-        value={selected}
-        onChange={(ids) => {
-          onChange({ runs: integers(ids) });
+        selected={view.runs ?? []}
+        onChange={(runs) => {
+          onChange({ runs });
         }}
+        many
       />
-      {offered.some((one) => !selected.includes(one.value)) && (
-        <Button
-          variant="default"
-          size="xs"
-          onClick={() => {
-            onChange({ runs: integers([...new Set([...selected, ...listed])]) });
-          }}
-        >
-          Add {offered.filter((one) => !selected.includes(one.value)).length} listed runs
-        </Button>
-      )}
       <Checkbox.Group
         label="Variables"
         value={[...(view.variables ?? DEFAULT_VARIABLES)]}
