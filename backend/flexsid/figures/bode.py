@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -19,7 +20,6 @@ from flexsid.figures.spec import (
     rows,
     scatter,
     stack,
-    stagger,
     text_at,
     title,
     vertical_mark,
@@ -77,6 +77,9 @@ def draw_bode(
             data += _draw_rows(response, first, shared, magnitude_scale)
         else:
             data.append(_draw_locus(response, first, shared, view))
+    if view == "bode":
+        is_log = frequency_scale == "log"
+        layout |= marked(_mark_modes(value, is_log), data, log=is_log)
     return {"data": data, "layout": {**layout, "showlegend": True, "hovermode": "closest"}}
 
 
@@ -101,7 +104,6 @@ def _lay_out_rows(
     frequency_scale: AxisScale,
     magnitude_scale: MagnitudeScale,
 ) -> Spec:
-    is_log = frequency_scale == "log"
     axes: list[Spec] = []
     for shown in outputs.values():
         up = {"type": "log"} if magnitude_scale == "log" else {}
@@ -111,19 +113,19 @@ def _lay_out_rows(
             axes.append({**title("Coherence"), "range": [0, 1.05]})
     heights = [1.4, 1.0, *[0.6] * coherent] * len(outputs)
     frequency = quantities.of_unit("Frequency", "Hz")
-    layout = stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
-    marks = []
+    return stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
+
+
+def _mark_modes(value: Bode, is_log: bool) -> Iterator[tuple[Spec, Spec]]:
+    """Mark modes of the modal table in grey, and those of runs in red."""
+    factor = quantities.of_unit("Frequency", "Hz").factor
     for mode in value.modes:
-        shape, name = vertical_mark(
-            frequency.factor * mode.frequency_hz, quantities.text(mode.name), log=is_log
-        )
+        name = quantities.text(mode.name)
+        shape, label = vertical_mark(factor * mode.frequency_hz, name, log=is_log)
         if mode.run_id is not None:
             shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
-            name["font"] = {"size": 11, "color": style.VERMILION}
-        marks.append((shape, name))
-    layout |= marked(marks)
-    stagger(layout["annotations"])
-    return layout
+            label["font"] = {"size": 11, "color": style.VERMILION}
+        yield shape, label
 
 
 def _lay_out_planes(outputs: dict[str, list[Response]], view: View) -> Spec:
