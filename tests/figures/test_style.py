@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from flexsid.figures import style
-from flexsid.figures.spec import column, rows
+from flexsid.figures.spec import column, marked, rows, scatter, vertical_mark
 
 LIGHT, DARK = "#ffffff", "#242424"
 
@@ -47,3 +48,15 @@ def test_rows_fill_the_height_from_the_top():
     assert domains[0][1] == 1.0
     assert domains[-1][0] == pytest.approx(0.0, abs=1e-4)
     assert all(lower[1] < upper[0] for upper, lower in pairwise(domains))
+
+
+@pytest.mark.parametrize("log", [False, True])
+def test_labels_of_close_modes_stand_below_each_other_within_the_axes(log):
+    traces = [scatter([1.0, 2.0], [0.0, 0.0]), scatter(np.linspace(0.5, 10.0, 100), np.zeros(100))]
+    names = {3.6: "SW1B OE 3", 3.8: "SW1B", 9.5: "SW1T", 1.0: "SP"}
+    marks = [vertical_mark(at, name, log=log) for at, name in names.items()]
+    labels = {one["text"]: one for one in marked(marks, traces, log=log)["annotations"]}
+    assert labels["SW1B OE 3"]["yshift"] != labels["SW1B"]["yshift"]
+    assert labels["SP"]["yshift"] == 0
+    assert labels["SW1T"]["xanchor"] == "right", "it would end beyond the axis"
+    assert marked([], traces) == {"shapes": [], "annotations": []}

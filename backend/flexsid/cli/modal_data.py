@@ -298,10 +298,11 @@ def _identify(store: Store, arguments: argparse.Namespace) -> None:
         return
     found = identified.found
     lines = [
-        f"{mode.frequency_hz:>10.4f} ± {mode.std_hz:.4f} Hz {100.0 * mode.damping:>8.3f} ± "
-        f"{100.0 * mode.std_damping:.3f} %"
+        f"{mode.frequency_hz:>10.4f} ± {2.0 * mode.std_hz:.4f} Hz {100.0 * mode.damping:>8.3f} ± "
+        f"{200.0 * mode.std_damping:.3f} %"
         for mode in found.items
     ]
+    lines.append("  Values ±2σ.")
     print_result(lines, found, as_json=arguments.json)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -19,7 +20,6 @@ from flexsid.figures.spec import (
     rows,
     scatter,
     stack,
-    stagger,
     text_at,
     title,
     vertical_mark,
@@ -81,6 +81,8 @@ def draw_bode(
     if view == "bode":
         last = n_rows * len(outputs) + 1
         data += [_draw_noise_shares(one, last) for one in value.noise_shares]
+        is_log = frequency_scale == "log"
+        layout |= marked(_mark_modes(value, is_log), data, log=is_log)
     return {"data": data, "layout": {**layout, "showlegend": True, "hovermode": "closest"}}
 
 
@@ -105,7 +107,6 @@ def _lay_out_rows(
     frequency_scale: AxisScale,
     magnitude_scale: MagnitudeScale,
 ) -> Spec:
-    is_log = frequency_scale == "log"
     axes: list[Spec] = []
     for shown in outputs.values():
         up = {"type": "log"} if magnitude_scale == "log" else {}
@@ -119,19 +120,19 @@ def _lay_out_rows(
         axes.append({**title(f"{label} noise<br>[%]"), "rangemode": "tozero"})
         heights.append(0.6)
     frequency = quantities.of_unit("Frequency", "Hz")
-    layout = stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
-    marks = []
+    return stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
+
+
+def _mark_modes(value: Bode, is_log: bool) -> Iterator[tuple[Spec, Spec]]:
+    """Mark modes of the modal table in grey, and those of runs in red."""
+    factor = quantities.of_unit("Frequency", "Hz").factor
     for mode in value.modes:
-        shape, name = vertical_mark(
-            frequency.factor * mode.frequency_hz, quantities.text(mode.name), log=is_log
-        )
+        name = quantities.text(mode.name)
+        shape, label = vertical_mark(factor * mode.frequency_hz, name, log=is_log)
         if mode.run_id is not None:
             shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
-            name["font"] = {"size": 11, "color": style.VERMILION}
-        marks.append((shape, name))
-    layout |= marked(marks)
-    stagger(layout["annotations"])
-    return layout
+            label["font"] = {"size": 11, "color": style.VERMILION}
+        yield shape, label
 
 
 def _lay_out_planes(outputs: dict[str, list[Response]], view: View) -> Spec:

@@ -67,7 +67,7 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
         [{**title(text), "rangemode": "tozero"} for text in kinds],
         showlegend=True,
         hovermode="closest",
-        **marked(marks),
+        **marked(marks, data),
     )
     return {"data": data, "layout": layout}
 
@@ -118,7 +118,9 @@ def _find_range(value: ClosedLoop) -> list[float]:
 
 _HIGH, _LOW = 1.0, 0.0  # of the forward path and of the feedback
 _HALF_HEIGHT = 0.32  # of a block
-_SUM, _SUM_HEIGHT, _SUM_PX = 0.1, 0.08, 20  # half width and height of a sum, and its diameter
+_GAP = 0.4  # between blocks and sums, of which a usual block is one wide
+_BLOCK_PX = 105  # least width of a block with its words
+_SUM_PX, _RADIUS_PX = 20, 10  # of a sum
 _ROWS = 1.8
 _MOST = 3  # names in a line, more are counted
 
@@ -141,14 +143,15 @@ def draw_control_loop(value: ControlLoopDiagram) -> Spec:
     before = "Mixer" if value.is_before_mixer else "Actuators"
     end = 0.0
     for name, text, width in blocks:
-        if name == before:
-            x = end + 0.45
-            drawing.add_arrow(end, x - _SUM)
+        is_after_sum = name == before
+        if is_after_sum:
+            x = end + _GAP
+            drawing.add_arrow(end, x, standoff=_RADIUS_PX)
             drawing.add_sum(x, f"Excitation {_list(value.excitation)}".strip())
-            end = x + _SUM
-        x = end + (0.35 if end else 0.0)
+            end = x
+        x = end + (_GAP if end else 0.0)
         if end:
-            drawing.add_arrow(end, x)
+            drawing.add_arrow(end, x, startstandoff=_RADIUS_PX if is_after_sum else 0.0)
         drawing.add_block(x, width, name, text)
         end = x + width
     drawing.close(end, blocks[0][2])
@@ -190,11 +193,11 @@ class _Drawing:
     def add_sum(self, x: float, text: str) -> None:
         self.sums.append(x)
         self.write(x, _HIGH, "+")
-        self._point(x, _HIGH + 0.62, x, _HIGH + _SUM_HEIGHT, style.VERMILION)
+        self._point(x, _HIGH + 0.62, x, _HIGH, style.VERMILION, standoff=_RADIUS_PX)
         self.write(x, _HIGH + 0.75, text)
 
-    def add_arrow(self, start: float, end: float) -> None:
-        self._point(start, _HIGH, end, _HIGH, style.GREY)
+    def add_arrow(self, start: float, end: float, **gaps: float) -> None:
+        self._point(start, _HIGH, end, _HIGH, style.GREY, **gaps)
 
     def close(self, end: float, first_width: float) -> None:
         """Draw the feedback from the last block to the first."""
@@ -226,15 +229,18 @@ class _Drawing:
                 "shapes": self.shapes,
                 "annotations": self.words,
                 "showlegend": False,
-                "meta": {"rows": _ROWS},
+                "meta": {"rows": _ROWS, "least_width": round(_BLOCK_PX * end)},
             },
         }
 
-    def _point(self, x0: float, y0: float, x1: float, y1: float, colour: str) -> None:
+    def _point(
+        self, x0: float, y0: float, x1: float, y1: float, colour: str, **gaps: float
+    ) -> None:
         self.words.append(
             {
                 "x": x1, "y": y1, "ax": x0, "ay": y0, "axref": "x", "ayref": "y", "text": "",
                 "showarrow": True, "arrowhead": 2, "arrowwidth": 1.5, "arrowcolor": colour,
+                **gaps,
             }
         )  # fmt: skip
 

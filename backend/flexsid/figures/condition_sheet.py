@@ -26,7 +26,7 @@ _WITHIN = "rgba(134, 142, 150, 0.16)"
 _SHARED = "rgba(134, 142, 150, 0.45)"
 
 # Shares of the width: name, value, error, unit, percent, then the deviations.
-_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.205, 0.215, 0.335, 0.40
+_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.205, 0.215, 0.31, 0.40
 _LEFT = 0.43
 
 
@@ -89,7 +89,7 @@ def draw_condition_derivatives(value: ConditionSheet, selected: str | None = Non
         "margin": {"l": 4, "r": 6, "t": _TOP_PX, "b": _BOTTOM_PX},
         "meta": {
             "height": _TOP_PX + _BOTTOM_PX + _ROW_PX * (line + 1.2),
-            "least_width": 620,
+            "least_width": 720,
         },
     }
     return {"data": data, "layout": layout}

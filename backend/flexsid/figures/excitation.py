@@ -87,9 +87,7 @@ def draw_design_information(value: ExpectedResponse) -> Spec:
             )
         )  # fmt: skip
     y_axis = {**title("Information per harmonic [parameters]"), "rangemode": "tozero"}
-    layout = plane(_title_frequency(), y_axis, 2, **_mark_modes(value))
-    for level, label in enumerate(layout["annotations"]):
-        label["y"] = 1.0 - 0.06 * (level % 2)
+    layout = plane(_title_frequency(), y_axis, 2, **_mark_modes(value, data))
     return {"data": data, "layout": layout}
 
 
@@ -112,13 +110,13 @@ def draw_design_signal(value: ExpectedResponse) -> Spec:
     )
     layout: Spec = {
         "xaxis": _title_frequency(),
-        **_mark_modes(value),
+        **_mark_modes(value, [trace]),
         "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},
         "meta": {"rows": max(2.0, len(labels) / 5)},
     }
     for mark, label in zip(layout["shapes"], layout["annotations"], strict=True):
         mark |= {"layer": "above", "line": {"color": style.MARK, "width": 1, "dash": "dot"}}
-        label["yanchor"] = "bottom"
+        label |= {"yanchor": "bottom", "yshift": -label["yshift"]}
     return {"data": [trace], "layout": layout}
 
 
@@ -144,12 +142,11 @@ def _draw_harmonics(
     )
 
 
-def _mark_modes(value: ExpectedResponse) -> Spec:
+def _mark_modes(value: ExpectedResponse, data: list[Spec]) -> Spec:
     """Mark the frequencies of identified modes."""
-    frequency = quantities.of_unit("Frequency", "Hz")
-    return marked(
-        vertical_mark(frequency.factor * mode.frequency_hz, mode.name) for mode in value.modes
-    )
+    factor = quantities.of_unit("Frequency", "Hz").factor
+    marks = [vertical_mark(factor * mode.frequency_hz, mode.name) for mode in value.modes]
+    return marked(marks, data)
 
 
 def _title_frequency() -> Spec:

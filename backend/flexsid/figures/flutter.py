@@ -19,6 +19,7 @@ from flexsid.figures.spec import (
     plane,
     scatter,
     stack,
+    stagger,
     title,
     vertical_mark,
 )
@@ -124,14 +125,14 @@ def draw_flutter_map(value: FlutterMap) -> Spec:
     """Draw the flutter speed over fuel and altitude."""
     if not np.isfinite(value.airspeed_m_s).any():
         return empty("No instability at the searched loadings and altitudes")
-    speed, altitude = of_unit("Speed", "m/s"), of_unit("Altitude, standard atmosphere", "m")
+    speed, altitude = of_unit("Flutter speed", "m/s"), of_unit("Altitude, standard atmosphere", "m")
     trace = heatmap(
         [100.0 * fuel for fuel in value.fuel.tolist()],
         (altitude.factor * value.altitude_m).tolist(),
         speed.factor * value.airspeed_m_s,
         name="flutter speed",
         colorscale="Viridis",
-        colorbar=title(speed.unit),
+        colorbar=title(speed.axis_title),
         hovertemplate=f"fuel %{{x:.0f}} %<br>altitude %{{y:.0f}} {altitude.unit}<br>"
         f"%{{z:.2f}} {speed.unit}<extra></extra>",
     )
@@ -214,6 +215,7 @@ def draw_flutter_summary(value: SummaryDiagram) -> Spec:
             shape, note = vertical_mark(speed.factor * min(seen), kind.value)
             layout["shapes"].append(shape)
             layout["annotations"].append(note)
+    stagger(layout["annotations"], data)
     return {"data": data, "layout": layout}
 
 

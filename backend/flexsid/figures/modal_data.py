@@ -19,7 +19,6 @@ from flexsid.figures.spec import (
     plane,
     scatter,
     stack,
-    stagger,
     title,
     vertical_mark,
 )
@@ -307,10 +306,10 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
             + [
                 vertical_mark(float(at), "not modelled")
                 for at in frequency.factor * np.asarray(value.unmodelled_hz)
-            ]
+            ],
+            data,
         ),
     }  # fmt: skip
-    stagger(layout["annotations"])
     return {"data": data, "layout": layout}
 
 
@@ -349,8 +348,8 @@ def draw_output_only(value: OutputOnlyResult) -> Spec:
     marks += [vertical_mark(frequency.factor * tone, "tone") for tone in value.tones_hz]
     axes = [title("Mean density / variance [dB(1/Hz)]"), title("Damping ratio [%]")]
     axes[1]["rangemode"] = "tozero"
-    layout = stack(title(frequency.axis_title), axes, [3, 2], meta={"rows": 4}, **marked(marks))
-    stagger(layout["annotations"])
+    drawn = marked(marks, data)
+    layout = stack(title(frequency.axis_title), axes, [3, 2], meta={"rows": 4}, **drawn)
     return {"data": data, "layout": layout}
 
 
@@ -383,8 +382,11 @@ def draw_ground_test(value: GroundSpectra) -> Spec:
         title("Response/excitation power,<br>all channels [dB]"),
         2,
         **marked(
-            vertical_mark(shown.factor * m.frequency_hz, quantities.text(m.name))
-            for m in value.expected
+            [
+                vertical_mark(shown.factor * m.frequency_hz, quantities.text(m.name))
+                for m in value.expected
+            ],
+            data,
         ),
     )
     return {"data": data, "layout": layout}

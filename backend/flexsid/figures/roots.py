@@ -20,6 +20,7 @@ from flexsid.figures.spec import (
     plane,
     scatter,
     stack,
+    stagger,
     title,
     vertical_mark,
 )
@@ -117,6 +118,7 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
                 note["xanchor"] = "right"
             layout["shapes"].append(shape)
             layout["annotations"].append(note)
+    stagger(layout["annotations"], data)
     if value.interval is not None:
         low, high = value.interval
         layout["shapes"].append(band(factor * low, factor * high, style.FLAG, opacity=_FILL))

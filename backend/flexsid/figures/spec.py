@@ -31,7 +31,8 @@ BOUNDARY: Spec = {"color": style.FLAG, "width": 1.5, "dash": "dash"}
 
 _LONG = 64
 _GAP = 0.035
-_LETTER = 0.011  # width of a letter in a figure, as a share of it
+_NARROW_PX = 220.0  # width of the traces of a figure on a telephone, or in half a column
+_LETTER_PX = 7.0  # mean width of a letter of 11 px, with the space between two labels
 _LINE_PX = 14
 
 
@@ -224,25 +225,40 @@ def vertical_mark(x: float, text: str, *, log: bool = False) -> tuple[Spec, Spec
     return shape, text_at(at, 1, text, "left", "top", {"size": 11}, xref="x")
 
 
-def marked(marks: Iterable[tuple[Spec, Spec]]) -> Spec:
-    """Return the part of a layout that draws vertical marks and their labels."""
+def marked(
+    marks: Iterable[tuple[Spec, Spec]], traces: Iterable[Spec], *, log: bool = False
+) -> Spec:
+    """Return the part of a layout that draws vertical marks over traces, and their labels."""
     listed = list(marks)
-    return {
-        "shapes": [shape for shape, _ in listed],
-        "annotations": [label for _, label in listed],
-    }
+    labels = [label for _, label in listed]
+    stagger(labels, traces, log=log)
+    return {"shapes": [shape for shape, _ in listed], "annotations": labels}
 
 
-def stagger(names: list[Spec]) -> None:
-    """Shift overlapping labels of vertical marks below each other."""
-    names.sort(key=lambda name: name["x"])
-    reach = names[-1]["x"] - names[0]["x"] if names else 0.0
-    ends: list[float] = []  # of the labels, by text line
-    for name in names:
-        line = next((k for k, end in enumerate(ends) if end <= name["x"]), len(ends))
-        end = name["x"] + _LETTER * len(name["text"]) * reach
-        ends[line : line + 1] = [end]
-        name["yshift"] = -_LINE_PX * line
+def stagger(labels: Sequence[Spec], traces: Iterable[Spec], *, log: bool = False) -> None:
+    """Shift labels of vertical marks below each other where they overlap in a narrow figure.
+
+    A label that would end beyond the traces stands at the left of its mark.
+    """
+    if not labels:
+        return
+    shown = np.concatenate([_unpack(trace["x"]) for trace in traces])
+    if log:
+        shown = np.log10(shown[shown > 0.0])
+    shown = np.append(shown[np.isfinite(shown)], [label["x"] for label in labels])
+    letter = _LETTER_PX / _NARROW_PX * float(np.ptp(shown))
+    placed = []
+    for label in labels:
+        width = letter * len(_remove_markup(label["text"]))
+        if label["x"] + width > shown.max():
+            label["xanchor"] = "right"
+        start = label["x"] - (width if label["xanchor"] == "right" else 0.0)
+        placed.append((start, start + width, label))
+    free: list[float] = []  # from where on each text line is free
+    for start, end, label in sorted(placed, key=lambda one: one[0]):
+        line = next((k for k, least in enumerate(free) if least <= start), len(free))
+        free[line : line + 1] = [end]
+        label["yshift"] = -_LINE_PX * line
 
 
 def empty(text: str) -> Spec:

@@ -230,13 +230,13 @@ def _report_reference(reference: ReferenceComparison, flutter: FlutterEvidence) 
                 (
                     one.name,
                     f"{one.baseline_run_id}, {one.run_id}",
-                    " ± ".join(estimate(one.baseline_value, one.baseline_std_error)),
-                    " ± ".join(estimate(one.value, one.std_error)),
+                    _format_interval(one.baseline_value, one.baseline_std_error),
+                    _format_interval(one.value, one.std_error),
                     f"{one.difference_sigma:.1f}",
                 )
                 for one in reference.derivatives
             ),
-            "Derivatives that moved by more than 2 standard errors",
+            "Derivatives ±2σ that moved by more than 2 standard errors",
             numbers_from=2,
         )
     if reference.flutter_change_m_s is not None:
@@ -245,6 +245,10 @@ def _report_reference(reference: ReferenceComparison, flutter: FlutterEvidence) 
             f" {shown(reference.flutter.airspeed_m_s, 'm/s', 3)}: a change of"
             f" {shown(reference.flutter_change_m_s, 'm/s', 2)}."
         )
+
+
+def _format_interval(value: float, std_error: float | None) -> str:
+    return " ± ".join(estimate(value, None if std_error is None else 2.0 * std_error))
 
 
 def _draw_derivatives(store: Store, audited: AuditedDecision) -> Iterator[Part]:

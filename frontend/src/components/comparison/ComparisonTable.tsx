@@ -57,12 +57,17 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
     },
     ...sources.map((source, index): Column<ComparisonRow> => ({
       key: source.key,
-      header: source.label,
+      header: rows.some((row) => row.values[index]?.std_error != null)
+        ? `${source.label} ±2σ`
+        : source.label,
       numeric: true,
       render: (row) => {
         const cell = row.values[index];
         if (cell == null) return <span className="quiet">–</span>;
-        const { value, error } = withError(cell.value, cell.std_error);
+        const { value, error } = withError(
+          cell.value,
+          cell.std_error == null ? null : 2 * cell.std_error,
+        );
         const base = baseline === undefined || baseline === index ? null : row.values[baseline];
         return (
           <span

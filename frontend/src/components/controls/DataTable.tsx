@@ -1,5 +1,7 @@
+import { Menu } from "@mantine/core";
 import { useRef, useState, type ReactNode, type RefObject } from "react";
-import { copyText, tableText } from "../../lib/text/tableText";
+import { saveText } from "../../lib/text/csv";
+import { copyText, tableCsv, tableJson, tableText } from "../../lib/text/tableText";
 import { SymbolTooltip } from "../display/SymbolTooltip";
 
 export interface Column<Row> {
@@ -93,7 +95,12 @@ export function DataTable<Row>(props: Props<Row>) {
   );
 }
 
-/** Copies the rows that are shown, tab-separated. */
+const FILES = [
+  ["csv", tableCsv, "text/csv"],
+  ["json", tableJson, "application/json"],
+] as const;
+
+/** Copies the rows that are shown, tab-separated, or saves them as a file. */
 export function CopyTable({
   table,
   label,
@@ -102,27 +109,45 @@ export function CopyTable({
   label: string;
 }) {
   const [state, setState] = useState<"" | "copied" | "failed">("");
-  const words = { "": "Copy table", copied: "Copied", failed: "The browser refused to copy" };
+  const words = { "": "Copy or save", copied: "Copied", failed: "The browser refused to copy" };
+  const name = `flexsid-${label.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-")}`;
   return (
-    <div className="table-copy">
-      <button
-        type="button"
-        aria-label={`Copy table: ${label}`}
-        title="Copy as tab-separated values"
-        onClick={() => {
-          if (table.current === null) return;
-          copyText(tableText(table.current)).then(
-            () => {
-              setState("copied");
-            },
-            () => {
-              setState("failed");
-            },
-          );
-        }}
-      >
-        {words[state]}
-      </button>
+    <div className="table-copy no-print">
+      <Menu position="bottom-end">
+        <Menu.Target>
+          <button type="button" aria-label={`Copy or save table: ${label}`}>
+            {words[state]}
+          </button>
+        </Menu.Target>
+        <Menu.Dropdown>
+          <Menu.Item
+            onClick={() => {
+              if (table.current === null) return;
+              copyText(tableText(table.current)).then(
+                () => {
+                  setState("copied");
+                },
+                () => {
+                  setState("failed");
+                },
+              );
+            }}
+          >
+            Copy for a spreadsheet
+          </Menu.Item>
+          {FILES.map(([suffix, write, type]) => (
+            <Menu.Item
+              key={suffix}
+              onClick={() => {
+                if (table.current !== null)
+                  saveText(write(table.current), `${name}.${suffix}`, type);
+              }}
+            >
+              {suffix.toUpperCase()}
+            </Menu.Item>
+          ))}
+        </Menu.Dropdown>
+      </Menu>
     </div>
   );
 }

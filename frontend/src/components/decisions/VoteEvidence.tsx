@@ -85,14 +85,14 @@ const TERMS: Column<Term>[] = [
 ];
 
 const written = (value: number, stdError: number | null) => {
-  const { value: digits, error } = withError(value, stdError);
+  const { value: digits, error } = withError(value, stdError === null ? null : 2 * stdError);
   return `${digits} ± ${error}`;
 };
 
 const MOVED: Column<Moved>[] = [
   { key: "name", header: "Derivative", render: (one) => <DerivativeName name={one.name} /> },
-  numeric("baseline", "Baseline", (one) => written(one.baseline_value, one.baseline_std_error)),
-  numeric("proposed", "Proposed", (one) => written(one.value, one.std_error)),
+  numeric("baseline", "Baseline ±2σ", (one) => written(one.baseline_value, one.baseline_std_error)),
+  numeric("proposed", "Proposed ±2σ", (one) => written(one.value, one.std_error)),
   numeric("difference", "Difference", (one) => significant(one.difference_sigma, 2), "σ"),
   {
     key: "runs",

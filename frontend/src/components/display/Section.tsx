@@ -12,8 +12,8 @@ interface Props {
 export function Section({ title, note, actions, children }: Props) {
   return (
     <section className="panel" style={{ padding: "12px 16px 16px" }} aria-label={title}>
-      <div style={{ display: "flex", justifyContent: "space-between", gap: 12, marginBottom: 10 }}>
-        <div>
+      <div className="section-head">
+        <div className="section-title">
           <Title order={2}>{title}</Title>
           {note !== undefined && (
             <Text size="xs" className="quiet">

@@ -84,6 +84,8 @@ export function FuelTab({ table, view }: TableProps) {
   );
 }
 
+const twice = (sigma: number | null) => (sigma === null ? null : 2 * sigma);
+
 function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
   return [
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
@@ -91,12 +93,23 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     { key: "symmetry", header: "Symmetry", render: (row) => symmetryLetter(row.symmetric) },
     quantity("frequency", "Frequency", (row) => row.frequency_hz, "Hz", 3),
     {
-      ...quantity<ModeAtFuel>("frequency_std", "±", (row) => row.frequency_std_hz, "Hz", 4),
+      ...quantity<ModeAtFuel>(
+        "frequency_std",
+        "±2σ",
+        (row) => twice(row.frequency_std_hz),
+        "Hz",
+        4,
+      ),
       onlyIf: (row) => row.frequency_std_hz !== null,
     },
     numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
     {
-      ...numeric<ModeAtFuel>("damping_std", "±", (row) => percent(row.damping_std, 3), "%"),
+      ...numeric<ModeAtFuel>(
+        "damping_std",
+        "±2σ",
+        (row) => percent(twice(row.damping_std), 3),
+        "%",
+      ),
       onlyIf: (row) => row.damping_std !== null,
     },
     numeric("mass", "Generalised mass", (row) => significant(row.mass_kg_m2, 4), "kg m²"),

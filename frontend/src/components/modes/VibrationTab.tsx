@@ -259,7 +259,7 @@ function Found({ found, query, poles, usable, onChange }: FoundProps) {
   return (
     <Section
       title="Identified modes"
-      note={`± is one standard deviation by the covariance of the fit. Fit error of the synthesised responses: ${percent(found.fit_error, 1)} %.`}
+      note={`± is 2σ by the covariance of the fit. Fit error of the synthesised responses: ${percent(found.fit_error, 1)} %.`}
     >
       <Stack gap="md">
         {found.unmodelled_hz.length > 0 && (
@@ -305,7 +305,7 @@ function Found({ found, query, poles, usable, onChange }: FoundProps) {
               render: (row) => (
                 <>
                   <Quantity value={row.frequency_hz} unit="Hz" decimals={3} /> ±{" "}
-                  <Quantity value={row.std_hz} unit="Hz" decimals={4} />
+                  <Quantity value={2 * row.std_hz} unit="Hz" decimals={4} />
                 </>
               ),
             },
@@ -315,7 +315,7 @@ function Found({ found, query, poles, usable, onChange }: FoundProps) {
               unit: "%",
               numeric: true,
               render: (row) =>
-                `${percent(row.damping, 2)} ± ${significant(100 * row.std_damping, 2)}`,
+                `${percent(row.damping, 2)} ± ${significant(200 * row.std_damping, 2)}`,
             },
             { key: "orders", header: "Orders", numeric: true, render: (row) => row.n_orders },
             {

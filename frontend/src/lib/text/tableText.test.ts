@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { tableText } from "./tableText";
+import { tableCsv, tableJson, tableText } from "./tableText";
 
-test("a table is copied as a spreadsheet reads it", () => {
+test("a table is copied and saved as spreadsheets and programs read it", () => {
   document.body.innerHTML = `
     <table>
       <thead><tr><th>Derivative</th><th><button>Value <span aria-hidden="true">↑</span></button></th></tr></thead>
@@ -11,5 +11,14 @@ test("a table is copied as a spreadsheet reads it", () => {
       </tbody>
     </table>`;
   const table = document.querySelector("table");
-  expect(table && tableText(table)).toBe("Derivative\tValue\nCZ_alpha [1/rad]\t-4.6\ndelay\t\n");
+  if (table === null) throw new Error("no table");
+  expect(tableText(table)).toBe("Derivative\tValue\nCZ_alpha [1/rad]\t-4.6\ndelay\t\n");
+  expect(tableCsv(table)).toBe("Derivative,Value\r\nCZ_alpha [1/rad],-4.6\r\ndelay,\r\n");
+  expect(JSON.parse(tableJson(table))).toEqual({
+    columns: ["Derivative", "Value"],
+    data: [
+      ["CZ_alpha [1/rad]", -4.6],
+      ["delay", null],
+    ],
+  });
 });

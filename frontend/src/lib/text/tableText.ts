@@ -1,4 +1,5 @@
-/** Text of a table for spreadsheets. */
+/** Text of a table for spreadsheets and programs. */
+import { csv } from "./csv";
 
 /** Cells as they are read: symbols by their names, without the arrows of sorted columns. */
 function cellText(cell: Element): string {
@@ -12,12 +13,31 @@ function cellText(cell: Element): string {
   return text === "\u2013" ? "" : text.replaceAll("\u2212", "-");
 }
 
+const cellsOf = (table: HTMLTableElement): string[][] =>
+  [...table.rows].map((row) => [...row.cells].map(cellText));
+
 /** Rows of a table as tab-separated values. */
 export function tableText(table: HTMLTableElement): string {
-  return [...table.rows]
-    .map((row) => [...row.cells].map(cellText).join("\t"))
-    .map((line) => `${line}\n`)
+  return cellsOf(table)
+    .map((row) => `${row.join("\t")}\n`)
     .join("");
+}
+
+/** What is a number, so that a file states it as one; an empty cell is nothing. */
+function valueOf(text: string): string | number | null {
+  if (text === "") return null;
+  const value = Number(text);
+  return Number.isFinite(value) ? value : text;
+}
+
+/** Rows of a table as a CSV file. */
+export const tableCsv = (table: HTMLTableElement): string =>
+  csv(cellsOf(table).map((row) => row.map(valueOf)));
+
+/** Columns and rows of a table as a JSON file, which pandas reads with `orient="split"`. */
+export function tableJson(table: HTMLTableElement): string {
+  const [columns = [], ...rows] = cellsOf(table);
+  return `${JSON.stringify({ columns, data: rows.map((row) => row.map(valueOf)) }, null, 1)}\n`;
 }
 
 /** Copies a text; rejected where the page is not served securely or the browser refuses. */
