@@ -41,12 +41,16 @@ DIALECTS = ((",", "."), (";", ","), ("\t", "."), (";", "."))
 
 @dataclass(frozen=True)
 class Truth:
-    """What a column is: its role, quantity, unit, and name in flexsid if it has one."""
+    """What a column is: its role, quantity, unit, and name in flexsid if it has one.
+
+    ``of`` is the surface or sensor of the aircraft.
+    """
 
     role: str
     unit: str
     name: str | None = None
     side: str = ""
+    of: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,21 +91,24 @@ def write_drawn_file(
                 noise = 2e-5 * rng.normal(size=n) if role == "input" else 0.0
                 word_of_side = prefix + word + (f"_{side}H" if side else "")
                 signal = factor * (table[:, number] + trim) + noise
-                add(word_of_side, "angle", signal, role, None, side=side)
+                add(word_of_side, "angle", signal, role, None, side=side, of=name)
     for index, sensor in enumerate(aircraft.sensors):
         signal = record.outputs[:, index]
         if sensor.kind == "accelerometer":
             upward = 1.0
             place = sensor.name.split("_", 1)[1].upper()
-            add(f"AZ_{place}", "acceleration", upward * (signal - G), "output", None)
+            add(
+                f"AZ_{place}", "acceleration", upward * (signal - G), "output", None, of=sensor.name
+            )
         elif sensor.kind == "strain":
-            add(f"SG_{sensor.name.split('_')[1].upper()}", "strain", signal + 2e-4, "output", None)
+            place = sensor.name.split("_")[1].upper()
+            add(f"SG_{place}", "strain", signal + 2e-4, "output", None, of=sensor.name)
         else:
             at = {"alpha": aircraft.alpha, "theta": aircraft.alpha}.get(sensor.name, 0.0)
             words = WORDS[sensor.name]
             quantity = "rate" if sensor.kind == "gyro" else "angle"
             word = words[rng.integers(len(words))]
-            add(word, quantity, signal + at, "output", sensor.name)
+            add(word, quantity, signal + at, "output", sensor.name, of=sensor.name)
     drift = np.cumsum(rng.normal(size=n)) / np.sqrt(n)
     slow: tuple[tuple[str, str, np.ndarray, str], ...] = (
         ("airspeed", "speed", aircraft.airspeed + 0.3 * drift, "airspeed"),

@@ -23,6 +23,8 @@ class Meaning:
     sure: bool = True
     known: bool = True
     """Whether the name is a usual one; else the role is guessed as well."""
+    surface: str = ""
+    """Field of the first column that moves as this one: its command or its other side."""
 
 
 _IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")

@@ -19,6 +19,7 @@ from flexsid.importers.mapping import (
     ManeuverMapping,
     MappingFile,
     OrderMapping,
+    OtherSideMapping,
 )
 from flexsid.importers.quantity import Quantity, may_be_pulse_widths, scalar
 from flexsid.importers.source import SourceFile, Sources, refuse_field
@@ -84,7 +85,7 @@ def extract_channels(
     channels: dict[str, RawChannel] = {}
     for rule in rules:
         for label, samples, source in _extract_columns(rule, sources):
-            channel = _make_channel(rule, label, samples, source, timing)
+            channel = _make_channel(rule, label, samples, source, sources, timing)
             if channel.name in channels:
                 raise BadInput(
                     f"The mapping names two channels '{channel.name}'; names must be unique.",
@@ -124,7 +125,12 @@ def _extract_columns(
 
 
 def _make_channel(
-    rule: ChannelMapping, label: str, samples: np.ndarray, source: SourceFile, timing: Timing
+    rule: ChannelMapping,
+    label: str,
+    samples: np.ndarray,
+    source: SourceFile,
+    sources: Sources,
+    timing: Timing,
 ) -> RawChannel:
     clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)
     unit = rule.find_unit(label)
@@ -143,11 +149,14 @@ def _make_channel(
     samples = _calibrate(rule, unit, clock.interpolate(samples), name, part)
     if samples.dtype.kind != "f":
         samples = samples.astype(np.float64)
+    samples = samples if rule.sign > 0 else -samples
+    if rule.other_side is not None:
+        samples = _average_sides(rule, rule.other_side, unit, samples, sources, timing)
     return RawChannel(
         name=name,
         unit=unit,
         role=rule.role,
-        samples=np.ascontiguousarray(samples if rule.sign > 0 else -samples),
+        samples=np.ascontiguousarray(samples),
         clock=clock,
         field=label,
         source=source,
@@ -156,6 +165,35 @@ def _make_channel(
         between_samples=rule.between_samples,
         confirmed=rule.confirmed,
     )
+
+
+def _average_sides(
+    rule: ChannelMapping,
+    side: OtherSideMapping,
+    unit: str,
+    samples: np.ndarray,
+    sources: Sources,
+    timing: Timing,
+) -> np.ndarray:
+    """Return the mean of a deflection and that of the other side, in the unit of the first."""
+    own_rule = rule.model_copy(
+        update={"column": side.column, "unit": side.unit, "sign": side.sign, "other_side": None}
+    )
+    (other,) = extract_channels((own_rule,), sources, timing)
+    if other.samples.size != samples.size:
+        raise refuse(
+            rule.path("other_side"),
+            f"has {other.samples.size} samples and '{rule.column}' {samples.size}; both sides "
+            "need one clock.",
+        )
+    known, own = units.lookup(unit), units.lookup(side.unit)
+    if own.dimension != known.dimension:
+        raise refuse(
+            rule.path("other_side.unit"),
+            f"is '{side.unit}', which cannot be converted to '{unit}'.",
+        )
+    converted = (units.to_si(other.samples, side.unit) - known.offset) / known.factor
+    return 0.5 * (samples + converted)
 
 
 def _calibrate(

@@ -224,6 +224,20 @@ _Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=2)]
 _Calibration = Annotated[tuple[_Point, ...], Field(min_length=2)]
 
 
+class OtherSideMapping(MappingTable):
+    """``other_side`` of a channel: the column of the other wing, of which the mean is taken."""
+
+    column: Text = key("a field")
+    unit: Unit = key("the unit")
+    sign: Number = key("-1 if the recorder has the opposite sign", 1.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if abs(self.sign) != 1.0:
+            raise InvalidValue("must be 1 or -1; a scale factor belongs in the unit.", "sign")
+        return self
+
+
 class ChannelMapping(MappingTable):
     """``[[channels]]``: one channel, or the columns of one array."""
 
@@ -235,6 +249,7 @@ class ChannelMapping(MappingTable):
     role: Role = key("the role: input, output, command or condition")
     sign: Number = key("-1 if the recorder has the opposite sign", 1.0)
     calibration: _Calibration | None = key("recorded numbers, each with its value in unit", None)
+    other_side: OtherSideMapping | None = key("the other side, to take the mean of both", None)
     sensor: Text | None = key("the sensor of the aircraft that measured it", None)
     clock: Text | None = key("one of [[clocks]]", None)
     between_samples: BetweenSamples | None = key(
@@ -258,6 +273,8 @@ class ChannelMapping(MappingTable):
             raise InvalidValue("must be the name of a column.", "column")
         elif self.array is not None and not (isinstance(self.column, int) and self.column >= 1):
             raise InvalidValue("must be the number of a column of 'array', from 1.", "column")
+        if self.other_side is not None and self.array is not None:
+            raise InvalidValue("does not apply with 'array'.", "other_side")
         if abs(self.sign) != 1.0:
             raise InvalidValue("must be 1 or -1; a scale factor belongs in the unit.", "sign")
         recorded = [point[0] for point in self.calibration or ()]

@@ -28,6 +28,7 @@ from flexsid.importers.column_names import (
 from flexsid.importers.quantity import find_unit_warning, may_be_pulse_widths
 from flexsid.importers.recognition import Recorded, recognise_columns
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.importers.surface_names import OtherSide, SurfaceColumn, assign_surfaces
 from flexsid.records.maneuver import Role
 from flexsid.units import is_known
 
@@ -124,6 +125,8 @@ def write_proposal(
         if (meaning := _recall(recognised, known_before.get(column.field))) is not recognised
     }
     selected = [(column, recalled.get(column.field, meaning)) for column, meaning in selected]
+    surfaces = [name for name, role in known.items() if role is Role.INPUT]
+    selected, other_sides = _assign_surfaces(selected, surfaces, recalled)
     if len(clocks) > 1 and len(selected) > _MOST_CHANNELS:
         selected = [(c, own) for c, own in selected if own.known or c.field in recalled]
     parts = [
@@ -141,7 +144,7 @@ def write_proposal(
     seen: set[str] = set()
     first = next(iter(time.values()), None)
     for column, meaning in selected:
-        text = _channel(column, meaning, seen)
+        text = _channel(column, meaning, seen, other_sides.get(column.field), surfaces)
         if column.field in recalled:
             text = text.replace("\n", f"\n{REMEMBERED}\n", 1)
         clock = own_clocks.get((column.file, column.field))
@@ -176,6 +179,29 @@ def _recognise_motion(
         meanings = recognise_columns(recorded)
         found |= {id(c): m for (c, _), m in zip(own, meanings, strict=False)}
     return [(column, found[id(column)]) for column, _ in selected]
+
+
+def _assign_surfaces(
+    selected: list[tuple[Column, Meaning]], surfaces: Sequence[str], recalled: Mapping[str, Meaning]
+) -> tuple[list[tuple[Column, Meaning]], Mapping[str, OtherSide]]:
+    """Name deflections and commands as the surfaces of the aircraft; join left and right ones."""
+    moving = [
+        SurfaceColumn(field=column.field, samples=column.samples, meaning=meaning)
+        for column, meaning in selected
+        if meaning.role in (Role.INPUT, Role.COMMAND)
+        and column.array is None
+        and column.field not in recalled
+    ]
+    if not surfaces or not moving:
+        return selected, {}
+    found = assign_surfaces(moving, surfaces)
+    joined = {side.column for side in found.other_sides.values()}
+    named = [
+        (column, found.meanings.get(column.field, meaning))
+        for column, meaning in selected
+        if column.field not in joined
+    ]
+    return named, found.other_sides
 
 
 def _find_body_velocities(columns: Sequence[Column]) -> dict[str, Meaning]:
@@ -434,7 +460,13 @@ def _have_uneven_clocks(sources: Sources, channels: Sequence[Column]) -> bool:
     return False
 
 
-def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
+def _channel(
+    column: Column,
+    meaning: Meaning,
+    seen: set[str],
+    other_side: OtherSide | None,
+    surfaces: Sequence[str],
+) -> str:
     name, own = meaning.name, column.field.rpartition(".")[2]
     if name in seen:
         name = column.field
@@ -457,8 +489,14 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
         f'role = "{meaning.role.value}"',
     ]
     unsure = ["unit"] if guessed else []
+    is_foreign = bool(surfaces) and meaning.role is Role.INPUT and name not in surfaces
     if not meaning.known:
-        unsure += ["role"] if name == own else ["role", "name"]
+        unsure += ["role", "name"] if name != own or is_foreign else ["role"]
+    if other_side is not None:
+        side = f"column = {_text(other_side.column)}, unit = {_text(other_side.unit)}"
+        side += ", sign = -1" if other_side.sign < 0 else ""
+        lines.append(f"other_side = {{ {side} }}")
+        unsure.append("other_side")
     return "\n".join(lines) + "\n" + _guessed(*unsure)
 
 

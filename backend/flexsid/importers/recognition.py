@@ -39,6 +39,9 @@ which drifts; responses to an excitation have most of it there. [1]"""
 _SAME_GAIN = 0.1
 """Largest error of the gain between a gyro and the derivative of its attitude, as logarithm."""
 
+_LEAST_SPEED = 5.0
+"""Least airspeed of a column of which nothing else is known, in any unit."""
+
 _LEAST_LEAD_S = 2e-3
 """Least delay of a surface behind its command: servos of flight tests have 10 ms and more. [s]"""
 
@@ -205,6 +208,20 @@ class _MovingColumns:
         total = float((weight * omega**2).sum())
         return float(-(weight * omega * np.angle(cross)).sum() / max(total, _LEAST))
 
+    @cached_property
+    def used(self) -> slice:
+        """Lines that are fitted: without drift, and below the end of the excitation.
+
+        Above it, and above a third of the bandwidth, the derivative of an angle is noise.
+        """
+        size = self.lines.shape[1]
+        power = np.abs(self.lines[self.fast > _SLOW, 4:]) ** 2
+        end = size // 3
+        if power.size:
+            share = np.cumsum(power / np.maximum(power.sum(axis=1, keepdims=True), _LEAST), axis=1)
+            end = min(end, 4 + int(np.median((share < _TOP).sum(axis=1))))
+        return slice(4, max(8, end))
+
     def derivative(self, number: int) -> np.ndarray:
         """Lines of the derivative of a column."""
         omega = 2 * np.pi * np.fft.rfftfreq(self.moved.shape[1], 1 / self.rate_hz)
@@ -212,7 +229,7 @@ class _MovingColumns:
 
     def fit(self, target: np.ndarray, *parts: np.ndarray) -> tuple[np.ndarray, float]:
         """Fit lines by a real combination of others where there is motion; return R too."""
-        used = _used(target)
+        used = self.used
         matrix = np.array([_split(part[used]) for part in parts]).T
         wanted = _split(target[used])
         size = np.linalg.norm(matrix, axis=0)
@@ -226,11 +243,6 @@ class _MovingColumns:
 def _split(lines: np.ndarray) -> np.ndarray:
     """Return real and imaginary parts as one real vector."""
     return np.concatenate([np.real(lines), np.imag(lines)])
-
-
-def _used(lines: np.ndarray) -> slice:
-    """Return the lines that are fitted: without drift, and below a third of the bandwidth."""
-    return slice(4, max(8, lines.shape[-1] // 3))
 
 
 def _find_harmonics(
@@ -302,6 +314,7 @@ class _Found:
     role: Role | None = None
     unit: str = ""
     sure: bool = False
+    surface: str = ""
 
 
 def _without_gaps(column: Recorded) -> Recorded:
@@ -387,8 +400,8 @@ def _find_kinds(motion: _MovingColumns, hints: Sequence[_Hint]) -> list[_Found]:
     for k in slow:
         found[k] = replace(found[k], role=Role.CONDITION)
     surfaces = _find_surfaces(motion, hints, slow | pair)
-    for k, role in surfaces.items():
-        found[k] = _Found("", "deflection", role)
+    for k, (role, first) in surfaces.items():
+        found[k] = _Found("", "deflection", role, surface=motion.columns[first].field)
     rest = [k for k in range(len(found)) if k not in slow and k not in surfaces]
     for k in rest:
         kind = found[k].kind or ("acceleration" if _find_g(abs(motion.mean[k])) else "")
@@ -406,8 +419,11 @@ def _drifts(motion: _MovingColumns, k: int) -> bool:
 
 def _find_surfaces(
     motion: _MovingColumns, hints: Sequence[_Hint], slow: Iterable[int]
-) -> dict[int, Role]:
-    """Return measured surfaces and commands: they share no lines, and commands lead."""
+) -> dict[int, tuple[Role, int]]:
+    """Return measured surfaces and commands, each with the first column of its surface.
+
+    Surfaces share no lines, and commands lead.
+    """
     still = set(slow)
     possible = [
         k
@@ -422,15 +438,20 @@ def _find_surfaces(
     chosen = _find_disjoint(motion.overlap, [group[0] for group in groups], named)
     apart = [groups[number][0] for number in sorted(chosen)]
     for group in _group_same(motion, [k for k in possible if seems[k] == "g"]):
-        if apart and (motion.overlap[group[0], apart] < _DISJOINT).all():
+        others = (n for n in range(len(groups)) if named[n] or n in chosen)
+        same = next((n for n in others if motion.is_same(group[0], groups[n][0])), None)
+        if same is not None:  # the other side of a surface
+            groups[same] += group
+        elif apart and (motion.overlap[group[0], apart] < _DISJOINT).all():
             chosen.add(len(groups))
             groups.append(group)
             named.append(False)
             apart.append(group[0])
-    roles: dict[int, Role] = {}
+    roles: dict[int, tuple[Role, int]] = {}
     for number, group in enumerate(groups):
         if named[number] or number in chosen:
-            roles |= _find_commands(motion, hints, group)
+            own = _find_commands(motion, hints, group)
+            roles |= {k: (role, group[0]) for k, role in own.items()}
     return roles
 
 
@@ -502,8 +523,8 @@ def _find_rate(motion: _MovingColumns, found: list[_Found]) -> set[int]:
     rates = [k for k, own in moving if (own.name, own.kind) in _MAY_BE_Q]
     if not angles or not rates:
         return set()
-    slopes = np.array([motion.derivative(k) for k in angles])[:, _used(motion.lines)]
-    lines = motion.lines[rates][:, _used(motion.lines)]
+    slopes = np.array([motion.derivative(k) for k in angles])[:, motion.used]
+    lines = motion.lines[rates][:, motion.used]
     products = (slopes @ lines.conj().T).real
     sizes = [np.maximum(np.linalg.norm(each, axis=1), _LEAST) for each in (slopes, lines)]
     fits = products / np.outer(*sizes)
@@ -579,6 +600,14 @@ def _name_conditions(motion: _MovingColumns, found: list[_Found], slow: Iterable
         if name and name not in names:
             found[k] = replace(own, name=name, kind=kinds.get(name, own.kind))
             names.add(name)
+    left = [
+        k
+        for k in slow
+        if not found[k].name and found[k].kind in ("", "speed")
+        and motion.mean[k] > _LEAST_SPEED and motion.span[k] < 0.5 * motion.mean[k]
+    ]  # fmt: skip
+    if "airspeed" not in names and len(left) == 1:
+        found[left[0]] = replace(found[left[0]], name="airspeed", kind="speed")
 
 
 def _find_units(motion: _MovingColumns, found: Sequence[_Found]) -> list[_Found]:
@@ -737,12 +766,17 @@ def _to_meaning(column: Recorded, own: _Found) -> Meaning:
     if not is_measured(column.field):
         return named
     if named.known:
-        return _with_unit(column, own)
+        return replace(_with_unit(column, own), surface=own.surface)
     sure = own.sure or named.sure
     unit = (not sure and _read_unknown_unit(column)) or own.unit or named.unit
     name = own.name if own.name in ("alpha", "beta", "theta", "phi", "psi", "p", "q", "r") else ""
     if own.role is Role.CONDITION:
         name = own.name
     return Meaning(
-        name=name or named.name, unit=unit, role=own.role or named.role, sure=sure, known=False
+        name=name or named.name,
+        unit=unit,
+        role=own.role or named.role,
+        sure=sure,
+        known=False,
+        surface=own.surface,
     )

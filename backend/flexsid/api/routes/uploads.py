@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
-from fastapi import File, Response, UploadFile, status
+from fastapi import File, Query, Response, UploadFile, status
 
 from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore, save_files
@@ -59,9 +59,15 @@ def list_uploads(store: TheStore) -> Json:
 
 
 @uploads_router.get("/{upload_id}", response_model=UploadDetail)
-def get_upload(store: TheStore, upload_id: UploadId) -> Json:
+def get_upload(
+    store: TheStore,
+    upload_id: UploadId,
+    aircraft: Annotated[
+        str | None, Query(description="Stored aircraft to propose the mapping for.", max_length=200)
+    ] = None,
+) -> Json:
     """Return the contents of the files of an upload, and the proposed mapping."""
-    return Json(_describe_upload(store, upload_id))
+    return Json(_describe_upload(store, upload_id, aircraft))
 
 
 @uploads_router.put("/{upload_id}/draft", status_code=status.HTTP_204_NO_CONTENT)
@@ -115,13 +121,13 @@ def delete_upload(store: TheStore, upload_id: UploadId) -> Response:
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-def _describe_upload(store: Store, upload_id: str) -> UploadDetail:
+def _describe_upload(store: Store, upload_id: str, aircraft: str | None = None) -> UploadDetail:
     sources = uploads.open_upload(store, upload_id)
     return UploadDetail(
         upload=uploads.Upload(id=upload_id),
         files=preview.describe_files(sources),
         fields=preview.describe_fields(sources),
-        proposal=preview.propose_mapping(store, sources),
+        proposal=preview.propose_mapping(store, sources, aircraft),
         draft=uploads.read_draft(store, upload_id),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from enum import StrEnum
@@ -206,8 +206,11 @@ def _guess(store: Store, upload: ParsedUpload, guessed: Guessed) -> Guess:
         names = join_names([channel.name for channel in channels])
         kind, consequence = GuessKind.ROLE, f"{names} used as {guessed.value}"
     elif key == "name":
-        fields = join_names([channel.field for channel in channels])
-        kind, consequence = GuessKind.NAME, f"the name of column {fields}"
+        kind, consequence = GuessKind.NAME, _describe_name(store, upload, channels)
+    elif key == "other_side":
+        names = join_names([channel.name for channel in channels])
+        fields = join_names([*(one.field for one in channels), guessed.value["column"]])
+        kind, consequence = GuessKind.NAME, f"{names} is the mean of {fields}"
     else:
         kind, consequence = GuessKind.UNIT, _describe_unit(channels)
     value = guessed.value
@@ -227,6 +230,19 @@ def _describe_aircraft(store: Store, upload: ParsedUpload) -> str:
         f"{len(fitting)} of {len(upload.channels)} channels are surfaces or sensors of it"
         f"{': ' + join_names(fitting) if fitting else ''}"
     )
+
+
+def _describe_name(store: Store, upload: ParsedUpload, channels: Sequence[RawChannel]) -> str:
+    part = upload.mapping.aircraft
+    known = store.aircraft.find(name=part.name) if part is not None else []
+    surfaces = [surface.name for surface in known[0].surfaces] if known else []
+    names = {channel.name for channel in channels if channel.role is Role.INPUT}
+    if surfaces and names.difference(surfaces):
+        recorded = {channel.name for channel in upload.channels}
+        free = [name for name in surfaces if name not in recorded]
+        left = f"of which no column is {join_names(free)}" if free else "all of which are named"
+        return f"no surface of {known[0].name}, {left}: choose the surface, or another role"
+    return f"the name of column {join_names([channel.field for channel in channels])}"
 
 
 def _describe_flight(store: Store, upload: ParsedUpload) -> str:
@@ -311,13 +327,15 @@ def _list_own_names(aircraft: Aircraft) -> set[str]:
 IMPORT_KIND = "import"
 """Kind of the jobs that import uploads."""
 
+_SAME_RECORDER = 0.8  # share of the columns of an import that a file of its recorder has
 _LATEST_IMPORTS = 30  # whose mappings are read: recorders differ between campaigns, not flights
 
 
-def read_remembered_columns(store: Store) -> dict[str, dict[str, Meaning]]:
+def read_remembered_columns(store: Store, fields: Collection[str]) -> dict[str, dict[str, Meaning]]:
     """Read name, unit and role of columns from the latest imports, by aircraft and column.
 
-    The newest import decides. Columns of matrices are known by their numbers and not remembered.
+    The newest import of the same recorder decides: one of which the file has most columns. Columns
+    of matrices are known by their numbers and not remembered.
     """
     query = (
         sa.select(jobs.c.request)
@@ -332,8 +350,11 @@ def read_remembered_columns(store: Store) -> dict[str, dict[str, Meaning]]:
         content = tomllib.loads(request["mapping"])
         aircraft = content.get("aircraft", {}).get("name")
         if isinstance(aircraft, str):
+            columns = dict(_read_columns(content))
+            if len(columns.keys() & set(fields)) < _SAME_RECORDER * len(columns):
+                continue
             known = found.setdefault(aircraft, {})
-            for field, meaning in _read_columns(content):
+            for field, meaning in columns.items():
                 known.setdefault(field, meaning)
     return found
 

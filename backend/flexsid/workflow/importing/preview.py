@@ -26,6 +26,7 @@ from flexsid.importers.proposal import (
 )
 from flexsid.importers.quantity import UnitWarning
 from flexsid.importers.source import Sources
+from flexsid.importers.surface_names import find_surfaces
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
@@ -163,20 +164,25 @@ def describe_fields(sources: Sources) -> list[FoundField]:
     return found
 
 
-def propose_mapping(store: Store, sources: Sources) -> Proposal:
-    """Propose a mapping: of a known form, a saved one, or from the column names."""
+def propose_mapping(store: Store, sources: Sources, aircraft: str | None = None) -> Proposal:
+    """Propose a mapping: of a known form, a saved one, or from the column names.
+
+    With the name of a stored aircraft it is from the column names, for that aircraft.
+    """
     fitting = [saved for saved in store.mappings.find() if _fits(saved.text, sources)]
     names = tuple(saved.name for saved in fitting)
     known = find_known_mapping(sources)
-    if known is not None:
+    if known is not None and aircraft is None:
         return Proposal(text=known, origin="a known form of file", fitting=names)
-    text = mark_guessed(fitting[-1].text) if fitting else None
+    text = mark_guessed(fitting[-1].text) if fitting and aircraft is None else None
     if text is not None:
         origin = f"the saved mapping '{fitting[-1].name}'"
         return Proposal(text=text, origin=origin, fitting=names)
     name, number, roles = "?", 1, {}
-    remembered = read_remembered_columns(store)
-    selected = _find_likely_aircraft(store, sources, remembered)
+    fields = {column.field for column in list_columns(sources)}
+    remembered = read_remembered_columns(store, fields)
+    named = store.aircraft.find(name=aircraft) if aircraft is not None else []
+    selected = named[0] if named else _find_likely_aircraft(store, sources, remembered)
     if selected is not None:
         flights = store.flights.find(aircraft_id=selected.id)
         name, roles = selected.name, _list_names(selected)
@@ -275,14 +281,19 @@ def _fits(text: str, sources: Sources) -> bool:
 def _find_likely_aircraft(
     store: Store, sources: Sources, remembered: Mapping[str, Mapping[str, Meaning]]
 ) -> Aircraft | None:
-    """Find the aircraft with most surfaces, sensors and known columns; None without any."""
+    """Find the aircraft with most surfaces, sensors and known columns; None without any.
+
+    A surface counts as well if the words of a column fit it.
+    """
     columns = list_columns(sources)
     fields = {column.field for column in columns}
     named = {column.field.rpartition(".")[2] for column in columns}
     named |= {recognise_name(column.field, column.unit).name for column in columns}
     best, most = None, 0
     for aircraft in store.aircraft.find():
-        shared = len(named & _list_names(aircraft).keys())
+        surfaces = [surface.name for surface in aircraft.surfaces]
+        fitted = {one for name in named for one in find_surfaces(name, surfaces)}
+        shared = len(named & _list_names(aircraft).keys()) + len(fitted - named)
         shared += len(fields & remembered.get(aircraft.name, {}).keys())
         if shared >= max(most, 1):
             best, most = aircraft, shared

@@ -273,11 +273,14 @@ def select_inputs_and_outputs(
 ) -> tuple[tuple[str, ...], tuple[OutputDefinition, ...]]:
     """Select the inputs and outputs of the model structure, by default all of the axis.
 
-    Recorded surfaces that excite the other axis only are excluded by default.
+    Recorded surfaces that excite the other axis only are excluded by default, and so are inputs
+    that are no surfaces of the aircraft where any is.
     """
     body = find_body(structure.axis)
     channels = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     recorded = tuple(name for name, role in channels.items() if role is Role.INPUT)
+    surfaces = {surface.name for surface in aircraft.surfaces}
+    recorded = tuple(name for name in recorded if name in surfaces) or recorded
     inputs = structure.inputs or list_axis_surfaces(aircraft, body, recorded) or recorded
     require_axis_inputs(aircraft, inputs, body)
     separated = bool(list_opposed_surfaces(maneuver, aircraft, inputs, body))

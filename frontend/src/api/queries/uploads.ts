@@ -3,11 +3,16 @@ import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items, json } from "../client";
 import type { FigureSpec } from "../types";
 
-export const uploadQuery = (id: string) =>
+export const uploadQuery = (id: string, aircraft?: string) =>
   queryOptions({
-    queryKey: ["upload", id],
+    queryKey: aircraft === undefined ? ["upload", id] : ["upload", id, aircraft],
     queryFn: ({ signal }) =>
-      body(api.GET("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } }, signal })),
+      body(
+        api.GET("/api/v1/uploads/{upload_id}", {
+          params: { path: { upload_id: id }, query: { aircraft } },
+          signal,
+        }),
+      ),
     staleTime: Infinity,
   });
 

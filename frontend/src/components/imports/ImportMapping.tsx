@@ -12,13 +12,13 @@ import {
   TextInput,
 } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
-import { useQuery } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useEffect, useRef, useState } from "react";
 import { useSaveDraft, useSaveMapping } from "../../api/commands";
-import { aircraftQuery, mappingCheckQuery, mappingsQuery } from "../../api/queries";
+import { aircraftQuery, mappingCheckQuery, mappingsQuery, uploadQuery } from "../../api/queries";
 import type { CheckedMapping, UnitWarning, UploadDetail } from "../../api/types";
-import { readKey, setKey } from "../../lib/text/mappingText";
+import { guessedKeys, readKey, removeTable, setKey } from "../../lib/text/mappingText";
 import { useUndo } from "../../lib/drafts/useUndo";
 import { IMPORT_FORMS } from "../../views";
 import { FoundFields } from "./FoundFields";
@@ -161,12 +161,27 @@ interface Edit {
   onChange: (text: string) => void;
 }
 
+/** A mapping without its aircraft and flight. */
+const columnsOf = (text: string) => removeTable(removeTable(text, "aircraft", 0), "flight", 0);
+
 /** Aircraft, flight and label of the maneuver. */
 function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
   const aircraft = useQuery(aircraftQuery);
+  const cache = useQueryClient();
   const mappings = useQuery(mappingsQuery);
   const saved = mappings.data ?? [];
   const builtin = readKey(text, "aircraft", "builtin");
+  const proposed = useRef(new Set([columnsOf(found.proposal.text)]));
+  // Columns are named as the surfaces and sensors of the aircraft; what was edited remains.
+  const propose = async (name: string) => {
+    if (!proposed.current.has(columnsOf(text))) return;
+    const { proposal } = await cache.query(uploadQuery(found.upload.id, name));
+    proposed.current.add(columnsOf(proposal.text));
+    const named = setKey(proposal.text, "aircraft", 0, "name", name);
+    const number = readKey(text, "flight", "number");
+    const isOpen = guessedKeys(text, "flight", 0).includes("number");
+    onChange(isOpen ? named : setKey(named, "flight", 0, "number", Number(number)));
+  };
   return (
     <Group gap="sm" align="end">
       <Autocomplete
@@ -177,6 +192,7 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
         disabled={builtin !== undefined}
         onChange={(value) => {
           onChange(setKey(text, "aircraft", 0, "name", value));
+          if (aircraft.data?.some((own) => own.name === value)) void propose(value);
         }}
       />
       <TextInput

@@ -29,6 +29,22 @@ export function MappingGuesses({ guesses, text, onChange }: Props) {
       data-testid="mapping-guesses"
     >
       <Stack gap="sm">
+        <Group justify="space-between" align="start" wrap="nowrap">
+          <Text size="sm">
+            Correct what is wrong above, which confirms it; then confirm the rest, by kind or all at
+            once.
+          </Text>
+          <Button
+            size="xs"
+            variant="default"
+            flex="none"
+            onClick={() => {
+              onChange(guesses.reduce((changed, guess) => confirmPath(changed, guess.key), text));
+            }}
+          >
+            Confirm all {guesses.length}
+          </Button>
+        </Group>
         {kinds.map((kind) => {
           const own = guesses.filter((guess) => guess.kind === kind);
           const rate = own.find((guess) => guess.key === "time.rate");

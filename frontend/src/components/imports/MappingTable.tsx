@@ -1,6 +1,15 @@
-import { ActionIcon, Box, Checkbox, NativeSelect, TextInput } from "@mantine/core";
+import { ActionIcon, Autocomplete, Box, Checkbox, NativeSelect, TextInput } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { aircraftQuery } from "../../api/queries";
 import type { CheckedMapping } from "../../api/types";
-import { countTables, guessedKeys, readKey, removeTable, setKey } from "../../lib/text/mappingText";
+import {
+  countTables,
+  guessedKeys,
+  readKey,
+  removeTable,
+  setKey,
+  setUnit,
+} from "../../lib/text/mappingText";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 
 interface Props {
@@ -35,6 +44,15 @@ export function MappingTable({ checked, text, current, onChange, shown, onShow }
   const set = (row: Row, key: string, value: string | number | undefined) => {
     onChange(setKey(text, "channels", row.nth, key, value));
   };
+  const roles = useOwnNames(text);
+  const taken = new Set(checked.rules.map((rule) => rule["name"]));
+  const free = [...roles.keys()].filter((own) => !taken.has(own));
+  // The name of a surface, a command or a sensor of the aircraft states the role.
+  const rename = ({ nth }: Row, value: string) => {
+    const named = setKey(text, "channels", nth, "name", value);
+    const role = roles.get(value);
+    onChange(role === undefined ? named : setKey(named, "channels", nth, "role", role));
+  };
 
   const columns: Column<Row>[] = [
     {
@@ -58,19 +76,23 @@ export function MappingTable({ checked, text, current, onChange, shown, onShow }
       header: "Column",
       render: ({ rule }) =>
         rule["array"] === undefined
-          ? word(rule["column"])
+          ? [word(rule["column"]), ...otherSide(rule)].join(", ")
           : `${word(rule["array"])}${rule["labels"] === undefined ? `(${word(rule["column"])})` : ", all columns"}`,
     },
     {
       key: "name",
       header: "Channel",
       render: (row) => (
-        <TextInput
+        <Autocomplete
           size="xs"
           aria-label={`Name of ${word(row.rule["column"])}`}
+          data={free}
+          limit={200}
+          description={guessed(row, "name")}
+          inputWrapperOrder={["input", "description"]}
           value={word(read(row, "name") ?? row.rule["column"])}
-          onChange={(event) => {
-            set(row, "name", event.currentTarget.value);
+          onChange={(value) => {
+            rename(row, value);
           }}
         />
       ),
@@ -91,7 +113,8 @@ export function MappingTable({ checked, text, current, onChange, shown, onShow }
             inputWrapperOrder={["input", "description"]}
             value={word(read(row, "unit"))}
             onChange={(event) => {
-              set(row, "unit", event.currentTarget.value);
+              const unit = event.currentTarget.value;
+              onChange(setUnit(text, row.nth, word(row.rule["column"]), unit));
             }}
           />
         ),
@@ -195,4 +218,22 @@ export function MappingTable({ checked, text, current, onChange, shown, onShow }
       />
     </Box>
   );
+}
+
+/** Columns of the other side, whose mean with the first is taken. */
+function otherSide(rule: Record<string, unknown>): string[] {
+  const side = rule["other_side"];
+  return typeof side === "object" && side !== null && "column" in side ? [word(side.column)] : [];
+}
+
+/** Names of the surfaces, commands and sensors of the aircraft of a mapping, with their roles. */
+function useOwnNames(text: string): Map<string, string> {
+  const { data } = useQuery(aircraftQuery);
+  const named = readKey(text, "aircraft", "builtin") ?? readKey(text, "aircraft", "name");
+  const own = data?.find((one) => one.name === named);
+  return new Map([
+    ...(own?.surfaces ?? []).map((one): [string, string] => [one.name, "input"]),
+    ...(own?.sensors ?? []).map((one): [string, string] => [one.name, "output"]),
+    ...(own?.surfaces ?? []).map((one): [string, string] => [`${one.name}_command`, "command"]),
+  ]);
 }

@@ -1,5 +1,11 @@
 /** Edits to a mapping as TOML text, so that its comments and order stay. */
 
+const CONDITION = "maneuver.condition";
+const CONDITIONS = [
+  ...["airspeed", "altitude", "density", "fuel_fraction", "mass"],
+  ...["roll_inertia", "pitch_inertia", "yaw_inertia"],
+];
+
 /** Lines of the nth table of a name, or of the top: from after its header to the next header. */
 function block(lines: string[], table: string, nth: number): [number, number] | null {
   if (table === "") {
@@ -34,6 +40,17 @@ export function setKey(
   value: string | number | string[] | undefined,
 ): string {
   return setToml(text, table, nth, key, value === undefined ? undefined : JSON.stringify(value));
+}
+
+/** Set the unit of the nth channel, also where its column gives the flight condition. */
+export function setUnit(text: string, nth: number, column: string, unit: string): string {
+  const changed = setKey(text, "channels", nth, "unit", unit);
+  return CONDITIONS.reduce((edited, key) => {
+    const quantity = readQuantity(edited, CONDITION, key);
+    return quantity?.given === column
+      ? setToml(edited, CONDITION, 0, key, writeQuantity(column, unit))
+      : edited;
+  }, changed);
 }
 
 /** Set a key to a value written as TOML, which confirms it; undefined takes the key out. */
