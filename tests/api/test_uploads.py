@@ -84,7 +84,7 @@ def test_proposed_mapping_is_imported(client: TestClient) -> None:
     assert {c["name"]: (c["unit"], c["role"]) for c in checked["channels"]} == {
         "alpha": ("deg", "output"),
         "q": ("deg/s", "output"),
-        "bf": ("deg", "input"),
+        "bfs": ("deg", "input"),  # as the aircraft names its only surface of this kind
         "airspeed": ("kt", "condition"),
         "altitude": ("ft", "condition"),
     }
@@ -230,7 +230,7 @@ def test_condition_of_another_recorder_has_its_clock(client: TestClient) -> None
     assert state["state"] == "succeeded", state
     detail = client.get(f"/api/v1/maneuvers/{state['result']['maneuver_id']}").json()
     assert {c["name"]: c["rate_hz"] for c in detail["channels"]} == {
-        "bf": 50.0,
+        "bfs": 50.0,
         "airspeed": 5.0,
         "altitude": 5.0,
     }
@@ -256,11 +256,11 @@ def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
 def test_implausible_units_stop_import(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     identity, mapping = found["upload"]["id"], found["proposal"]["text"]
-    at = mapping.index('name = "bf"')
+    at = mapping.index('name = "bfs"')
     wrong = mapping[:at] + mapping[at:].replace('unit = "deg"', 'unit = "rad"', 1)
     checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": wrong}).json()
     (warning,) = checked["queries"]
-    assert (warning["channel"], warning["code"]) == ("bf", "too-large")
+    assert (warning["channel"], warning["code"]) == ("bfs", "too-large")
     assert warning["instead"] == ["deg", "mrad"]
     state = import_maneuver(client, identity, wrong)
     assert (state["state"], state["error"]["code"]) == ("failed", "unconfirmed-unit")

@@ -118,14 +118,16 @@ def write_proposal(
     velocities = _find_body_velocities(columns)
     selected = [(column, velocities.get(column.field, own)) for column, own in selected]
     selected = [(column, _find_pulse_widths(column, own)) for column, own in selected]
+    surfaces = [name for name, role in known.items() if role is Role.INPUT]
+    assigned, _ = _assign_surfaces(selected, surfaces, {})
+    named = {column.field: meaning for column, meaning in [*selected, *assigned]}
     known_before = remembered or {}
     recalled = {
-        column.field: meaning
-        for column, recognised in selected
-        if (meaning := _recall(recognised, known_before.get(column.field))) is not recognised
+        field: meaning
+        for field, own in named.items()
+        if (meaning := _recall(own, known_before.get(field))) is not own
     }
     selected = [(column, recalled.get(column.field, meaning)) for column, meaning in selected]
-    surfaces = [name for name, role in known.items() if role is Role.INPUT]
     selected, other_sides = _assign_surfaces(selected, surfaces, recalled)
     if len(clocks) > 1 and len(selected) > _MOST_CHANNELS:
         selected = [(c, own) for c, own in selected if own.known or c.field in recalled]

@@ -209,7 +209,8 @@ def _guess(store: Store, upload: ParsedUpload, guessed: Guessed) -> Guess:
         kind, consequence = GuessKind.NAME, _describe_name(store, upload, channels)
     elif key == "other_side":
         names = join_names([channel.name for channel in channels])
-        fields = join_names([*(one.field for one in channels), guessed.value["column"]])
+        side = guessed.value["column"] if isinstance(guessed.value, Mapping) else ""
+        fields = join_names([*(one.field for one in channels), str(side)])
         kind, consequence = GuessKind.NAME, f"{names} is the mean of {fields}"
     else:
         kind, consequence = GuessKind.UNIT, _describe_unit(channels)
