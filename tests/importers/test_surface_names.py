@@ -55,6 +55,23 @@ def test_what_moves_together_is_one_surface_and_the_last_one_is_left_over():
     assert (found.other_sides["CH2"].column, found.other_sides["CH2"].sign) == ("CH1", -1)
 
 
+def test_what_moves_with_a_surface_and_is_none_is_no_side_of_it():
+    engine = Meaning(name="N1_R_PCT", unit="%", role=Role.INPUT, known=False, surface="ELEV_DEG")
+    elevator = column("ELEV_DEG", "ELEV_DEG")
+    others = [
+        SurfaceColumn(field="N1_R_PCT", samples=WAVE, meaning=engine),
+        column("AIL_R_DEG", "ELEV_DEG"),
+        SurfaceColumn(field="CH1", samples=WAVE[1:], meaning=elevator.meaning),
+    ]
+    for other in others:
+        assert not assign_surfaces([elevator, other], ("elevator",)).other_sides, other.field
+    alone = SurfaceColumn(field="N1", samples=WAVE, meaning=engine)
+    assert not assign_surfaces([alone], ("elevator",)).meanings, "an engine is no surface"
+    other = column("ELEV_RH", "ELEV_DEG")
+    assert assign_surfaces([elevator, other], ("elevator",)).other_sides
+    assert not assign_surfaces([elevator, other], ("rudder", "aileron")).other_sides
+
+
 def test_independent_sides_of_the_aircraft_stay_apart():
     sides = [column("POS_WF1_LH", "POS_WF1_LH"), column("POS_WF1_RH", "POS_WF1_LH")]
     found = assign_surfaces(sides, ("wf1l", "wf1r"))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from flexsid import units
 from flexsid.importers.column_names import Meaning
 from flexsid.records.maneuver import Role
 
@@ -111,25 +112,45 @@ def assign_surfaces(columns: Sequence[SurfaceColumn], surfaces: Sequence[str]) -
     open_groups = [
         key
         for key, group in groups.items()
-        if key not in named and any(own.meaning.role is Role.INPUT for own in group)
+        if key not in named and any(_may_be_deflection(own.meaning) for own in group)
     ]
     if len(free) == len(open_groups) == 1:
         named[open_groups[0]] = free[0]
-    is_sided = any(_read_words(name).part in ("l", "r") for name in surfaces)
     other_sides: dict[str, OtherSide] = {}
     for key, group in groups.items():
         name = named.get(key)
         for role in (Role.INPUT, Role.COMMAND):
             own = [column for column in group if column.meaning.role is role]
             own.sort(key=lambda column: _read_words(column.field).part == "r")
-            if not own or (name is None and is_sided):
+            if not own or name is None:
                 continue
             first, *others = own
-            if name is not None:
-                meanings[first.field] = _name(first.meaning, name)
-            if len(others) == 1 and others[0].samples.size == first.samples.size:
+            meanings[first.field] = _name(first.meaning, name)
+            if len(others) == 1 and _may_be_sides(first, others[0]):
                 other_sides[first.field] = _describe_other_side(first, others[0])
     return AssignedSurfaces(meanings, other_sides)
+
+
+def _may_be_deflection(meaning: Meaning) -> bool:
+    """Whether an input may be an angle: engines are inputs in % or rpm. No unit reads as 1."""
+    if meaning.role is not Role.INPUT or meaning.unit == "%":
+        return False
+    return not units.is_known(meaning.unit) or units.dimension(meaning.unit) in ("angle", "number")
+
+
+def _may_be_sides(first: SurfaceColumn, other: SurfaceColumn) -> bool:
+    """Whether neither words nor units nor lengths of columns contradict that they are sides."""
+    one, two = _read_words(first.field), _read_words(other.field)
+    if one.families and two.families:
+        if not one.families & two.families or one.number != two.number:
+            return False
+    elif first.meaning.known or other.meaning.known:  # by its name something else
+        return False
+    given = [column.meaning.unit for column in (first, other)]
+    is_one_quantity = (
+        not all(map(units.is_known, given)) or len(set(map(units.dimension, given))) == 1
+    )
+    return is_one_quantity and first.samples.size == other.samples.size
 
 
 def _find_common(group: Iterable[SurfaceColumn], surfaces: Sequence[str]) -> set[str]:
