@@ -43,7 +43,7 @@ def test_notes_have_lines_and_names_one_spelling() -> None:
 
 
 @given(st.text(max_size=60))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_every_text_is_refused_or_returned_as_one_line(text: str) -> None:
     try:
         checked = check_line(text)
@@ -55,7 +55,7 @@ def test_every_text_is_refused_or_returned_as_one_line(text: str) -> None:
 
 
 @given(st.lists(st.text(min_size=1, max_size=80), min_size=1, max_size=5, unique=True))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_identifiers_are_those_of_c_and_never_shared(names: list[str]) -> None:
     made = make_c_identifiers(tuple(names), longest=25)
     assert len(set(made)) == len(names)

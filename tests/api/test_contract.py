@@ -33,7 +33,6 @@ OTHERS = {"stream_events", "check_readiness"}
 bounded = settings(
     max_examples=2,  # on each of two databases
     derandomize=True,
-    deadline=None,
     database=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

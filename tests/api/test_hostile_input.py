@@ -44,7 +44,6 @@ def test_hostile_text_is_refused_by_every_route(client: TestClient, text: str) -
 @settings(
     max_examples=15,
     derandomize=True,
-    deadline=None,
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

@@ -198,9 +198,7 @@ def test_optional_values_come_back(store: Store, add_run: Callable[..., Estimati
     assert store.runs.find(state=RunState.RUNNING, structure_id=None) == [run]
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     dtype=st.sampled_from(["?", "i2", ">i4", "u1", "f4", ">f8", "c8", "c16"]),
     shape=st.lists(st.integers(0, 4), max_size=3),

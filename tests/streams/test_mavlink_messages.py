@@ -220,7 +220,7 @@ def test_messages_arrive_by_udp():
     lost=st.integers(0, 6),
     shuffled=st.booleans(),
 )
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_samples_are_interpolated_over_two_at_most(
     seed: int, rate_hz: float, lost: int, shuffled: bool
 ):

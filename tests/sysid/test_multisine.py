@@ -62,7 +62,7 @@ def test_design_is_orthogonal_gentle_and_of_the_size_asked(number: int):
     assert max(relative_peak_factor(column) for column in samples.T) < 1.2
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     per_input=st.integers(1, 20),
     first=st.integers(1, 12),
