@@ -100,6 +100,17 @@ def test_proposed_mapping_is_imported(client: TestClient) -> None:
     assert known == {"job": again}, "the page finds the job after a reload"
 
 
+def test_columns_are_named_for_the_aircraft_that_is_chosen(client: TestClient) -> None:
+    found = upload(client, ("chosen.csv", text().replace(b"bf", b"POS_BF")))
+    at = f"/api/v1/uploads/{found['upload']['id']}"
+    proposed = client.get(at, params={"aircraft": "FLEX-28"}).json()["proposal"]["text"]
+    assert 'name = "FLEX-28"' in proposed
+    assert 'column = "POS_BF"\nname = "bfs"' in proposed
+    unknown = client.get(at, params={"aircraft": "FLEX-29"})
+    assert unknown.status_code == 404
+    assert "there is no aircraft 'FLEX-29'; there are: FLEX-28" in unknown.json()["detail"]
+
+
 def test_recordings_beyond_the_quota_of_a_campaign_are_refused(
     client: TestClient, app: FastAPI, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -66,7 +66,9 @@ def draw_bode(
         else _lay_out_planes(outputs, view)
     )
     layout["meta"] = {
-        "rows": n_rows * len(outputs) * (1 if view == "bode" else 2) + bool(value.noise_shares),
+        "rows": n_rows * len(outputs) + bool(value.noise_shares)
+        if view == "bode"
+        else 2 * len(outputs),
         "blanked": _list_blanked(value),
         "agreement": value.agreement,
     }

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexsid import units
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, UnknownRecord
 from flexsid.importers.column_names import Meaning
 from flexsid.importers.column_names import recognise_column as recognise_name
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
@@ -168,6 +168,11 @@ def propose_mapping(store: Store, sources: Sources, aircraft: str | None = None)
     """Propose a mapping: of a known form, a saved one, or from the column names.
 
     With the name of a stored aircraft it is from the column names, for that aircraft.
+
+    Raises
+    ------
+    UnknownRecord
+        If no aircraft has this name.
     """
     fitting = [saved for saved in store.mappings.find() if _fits(saved.text, sources)]
     names = tuple(saved.name for saved in fitting)
@@ -181,8 +186,13 @@ def propose_mapping(store: Store, sources: Sources, aircraft: str | None = None)
     name, number, roles = "?", 1, {}
     fields = {column.field for column in list_columns(sources)}
     remembered = read_remembered_columns(store, fields)
-    named = store.aircraft.find(name=aircraft) if aircraft is not None else []
-    selected = named[0] if named else _find_likely_aircraft(store, sources, remembered)
+    if aircraft is None:
+        selected = _find_likely_aircraft(store, sources, remembered)
+    else:
+        selected = next(iter(store.aircraft.find(name=aircraft)), None)
+        if selected is None:
+            known_names = ", ".join(one.name for one in store.aircraft.find()) or "none"
+            raise UnknownRecord(f"there is no aircraft '{aircraft}'; there are: {known_names}")
     if selected is not None:
         flights = store.flights.find(aircraft_id=selected.id)
         name, roles = selected.name, _list_names(selected)

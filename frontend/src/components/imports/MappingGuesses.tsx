@@ -31,8 +31,8 @@ export function MappingGuesses({ guesses, text, onChange }: Props) {
       <Stack gap="sm">
         <Group justify="space-between" align="start" wrap="nowrap">
           <Text size="sm">
-            Correct what is wrong above, which confirms it; then confirm the rest, by kind or all at
-            once.
+            A correction in the table confirms its key; confirm the other assumptions by kind, or
+            all at once.
           </Text>
           <Button
             size="xs"
