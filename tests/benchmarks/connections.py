@@ -170,7 +170,7 @@ def main() -> None:
         ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
         roles = {"Ann": "admin", "Ben": "reviewer", "Cid": "analyst"}
         codes = [invite(folder, database, name, (role, "all")) for name, role in roles.items()]
-        with serving(folder, database, FLEXSID_MODE="team") as server:
+        with serving(folder, database, is_forked=False, FLEXSID_MODE="team") as server:
             for code in codes:
                 set_password(server, code)
             rules = {"quorum": 9, "own_allowed": False, "reason": "many", "version": 0}

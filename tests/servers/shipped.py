@@ -1,7 +1,10 @@
-"""The command ``flexsid`` as it is installed, and a server that it has started.
+"""The command ``flexsid``, and a server that it has started.
 
 Tests of this kind act as a user does, through the command and the port, and import nothing of
-flexsid: a promise that holds only in the process of a test is found out.
+flexsid: a promise that holds only in the process of a test is found out. Starting the installed
+program costs twelve seconds of computation for a server and two for a command, most of it for
+loading libraries. So commands are forked from a process that has loaded them, except in tests of
+what the start itself decides and in one test of each mode (``is_forked=False``).
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,9 +22,11 @@ from typing import Any
 
 import httpx2
 from ports import find_free_port
+from preloaded import ForkedCommand
 from waiting import PATIENCE_S, wait_until
 
-PROGRAM = Path(sys.executable).parent / "flexsid"
+PROGRAM = _INSTALLED = Path(sys.executable).parent / "flexsid"
+"""The program to start; tests replace it by that of another environment."""
 API = "/api/v1"
 PASSWORD = "correct horse battery"
 _UNDER_WAY = ("queued", "running")
@@ -36,15 +42,38 @@ def run_command(
     folder: Path, database: str, *arguments: str, **variables: str
 ) -> subprocess.CompletedProcess[str]:
     """Run ``flexsid`` in a folder and return what it printed."""
-    return subprocess.run(
-        [PROGRAM, *arguments, "--database", database],
-        cwd=folder,
-        env=make_environment(**variables),
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE_S,
-        check=False,
-    )
+    with tempfile.TemporaryDirectory() as printed:
+        output, errors = Path(printed, "output"), Path(printed, "errors")
+        process = _start([*arguments, "--database", database], folder, variables, output, errors)
+        try:
+            code = process.wait(PATIENCE_S)
+            assert code is not None, f"flexsid {arguments[0]} does not end"
+        finally:
+            process.kill()
+        return subprocess.CompletedProcess(
+            arguments, code, *(file.read_text("utf-8") for file in (output, errors))
+        )
+
+
+def _start(
+    arguments: list[str],
+    folder: Path,
+    variables: dict[str, str],
+    output: Path,
+    errors: Path,
+    *,
+    is_forked: bool = True,
+) -> subprocess.Popen[bytes] | ForkedCommand:
+    """Start ``flexsid``; what it prints is appended to two files, which may be the same."""
+    environment = make_environment(**variables)
+    if is_forked and PROGRAM == _INSTALLED:
+        for file in (output, errors):
+            file.touch()
+        return ForkedCommand(arguments, folder, environment, output, errors)
+    with output.open("ab") as out, errors.open("ab") as err:
+        return subprocess.Popen(
+            [PROGRAM, *arguments], cwd=folder, env=environment, stdout=out, stderr=err
+        )
 
 
 def ask_command(folder: Path, database: str, *arguments: str) -> Any:
@@ -59,7 +88,7 @@ class Server:
     """A server that runs, and the process that serves."""
 
     port: int
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | ForkedCommand
     log: Path
     clients: list[httpx2.Client] = field(default_factory=list)
 
@@ -121,18 +150,23 @@ class Client:
 
 @contextmanager
 def serving(
-    folder: Path, database: str, *options: str, command: str = "serve", **variables: str
+    folder: Path,
+    database: str,
+    *options: str,
+    command: str = "serve",
+    is_forked: bool = True,
+    **variables: str,
 ) -> Iterator[Server]:
     """Start ``flexsid serve`` in a folder, until the block ends."""
     port, log = find_free_port(), folder / "server.log"
-    with log.open("ab") as output:
-        process = subprocess.Popen(
-            [PROGRAM, command, "--database", database, *options],
-            cwd=folder,
-            env=make_environment(FLEXSID_PORT=str(port), **variables),
-            stdout=output,
-            stderr=output,
-        )
+    process = _start(
+        [command, "--database", database, *options],
+        folder,
+        {"FLEXSID_PORT": str(port), **variables},
+        log,
+        log,
+        is_forked=is_forked,
+    )
     server = Server(port, process, log)
     try:
         probe = server.connect().http

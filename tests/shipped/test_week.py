@@ -112,7 +112,7 @@ def at_work(
         for k in reversed(range(n_servers)) if reverse else range(n_servers):
             own = folder / f"server-{k}"
             own.mkdir(exist_ok=True)
-            start = serving(own, database, TMPDIR=str(own), **variables)
+            start = serving(own, database, is_forked=False, TMPDIR=str(own), **variables)
             servers.append(stack.enter_context(start))
             if n_servers > 1:
                 wait_until(partial(is_ready, servers[-1]), "a server that dispatches")
