@@ -54,8 +54,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_kwargs: Any) -> str:
-    """Print the layers, and show every picture in the theme of the page."""
-    markdown = markdown.replace("<!-- layers -->", _layers())
+    """Print layers and variables, and show every picture in the theme of the page."""
+    for mark, make in (("<!-- layers -->", _layers), ("<!-- variables -->", _variables)):
+        if mark in markdown:
+            markdown = markdown.replace(mark, make())
     return _PICTURE.sub(r"![\1](\2.png#only-light)\n![\1](\2-dark.png#only-dark)", markdown)
 
 
@@ -69,7 +71,17 @@ def on_page_content(content: str, **_kwargs: Any) -> str:
     return _EQUATION.sub(mathml, content)
 
 
-@cache
+def _variables() -> str:
+    """Return the variables of the environment as their fields declare them."""
+    from flexsid.settings import list_variables
+
+    lines = ["| variable | meaning | value | default |", "| --- | --- | --- | --- |"]
+    for name, meaning, values, default in list_variables():
+        shown = f"`{default}`" if default else ""
+        lines.append(f"| `{name}` | {_cell(meaning)} | {_cell(values)} | {shown} |")
+    return "\n".join(lines)
+
+
 def _layers() -> str:
     """Return the layers of the import contract with the docstrings of their packages."""
     project = tomllib.loads((BACKEND.parent / "pyproject.toml").read_text(encoding="utf-8"))

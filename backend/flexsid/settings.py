@@ -1,30 +1,39 @@
-"""Settings from environment variables."""
+"""Settings from environment variables.
+
+A field of ``Settings`` is the one declaration of a variable, whose name is ``FLEXSID_`` and that of
+the field in capitals: its type, range, default and meaning. Errors name what is expected by it,
+and the page of the documentation on variables is printed from it.
+"""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
 from enum import StrEnum
 from ipaddress import ip_address, ip_network
 from pathlib import Path
+from typing import Annotated, Any
 from urllib.parse import urlsplit
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError
+from pydantic_settings import (
+    BaseSettings,
+    EnvSettingsSource,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+)
 
 from flexsid.errors import BadInput
 from flexsid.records.account import NAME_CLAIM, OpenIdProvider
 
 DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
-DEFAULT_PORT = 8000
-LOOPBACK = "127.0.0.1"
+_PREFIX = "FLEXSID_"
 _SHORTEST_SECRET = 32
 _LEAST_LETTERS = 8
 """Least number of different characters in a secret."""
 _WIDEST_NETWORK = {4: 8, 6: 32}
 """Least length of the prefix of a network of proxies, by version of the protocol."""
-_BACKUPS_RETAINED = 7
-_EXPANSION = 100
-_ACCOUNT_UPLOAD_GIGABYTES, _UPLOAD_GIGABYTES = 10.0, 50.0
 
 
 class Mode(StrEnum):
@@ -35,51 +44,265 @@ class Mode(StrEnum):
     ORGANISATION = "organisation"  # accounts that the organisation authenticates
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+# --- Kinds of values: what they are, and how their text is read -----------------------------------
+
+
+def _split(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    return tuple(part.strip() for part in value.split(",") if part.strip())
+
+
+def _read_switch(value: Any) -> Any:
+    return {"yes": True, "no": False}.get(value, value)
+
+
+def _check_digits(value: Any) -> Any:
+    if isinstance(value, str) and re.fullmatch(r"[0-9]+(\.[0-9]+)?", value, re.ASCII) is None:
+        raise ValueError
+    return value
+
+
+def _read_url(text: str) -> str:
+    parts = urlsplit(text)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
+        raise ValueError
+    if parts.username is not None or parts.password is not None:
+        raise BadInput("FLEXSID_URL contains a user or a password, which pages would show")
+    return f"{parts.scheme}://{parts.netloc.lower()}"
+
+
+def _check_issuer(text: str) -> str:
+    parts = urlsplit(text)
+    is_local = _is_loopback(parts.hostname or "")
+    if parts.scheme != "https" and not (parts.scheme == "http" and is_local):
+        raise ValueError
+    return text
+
+
+def _check_broker(text: str) -> str:
+    parts = urlsplit(text)
+    has_more = "@" in text or parts.path.strip("/") or parts.query or parts.port == 0
+    if not parts.scheme or not parts.hostname or has_more:
+        raise ValueError
+    return text
+
+
+def _check_scheduler(text: str) -> str:
+    """Check the address of a Dask scheduler, on which whoever connects can run any code."""
+    parts = urlsplit(text)
+    if parts.scheme not in ("tcp", "tls") or not parts.hostname:
+        raise ValueError
+    if parts.scheme == "tcp" and not _is_loopback(parts.hostname):
+        raise BadInput(
+            f"FLEXSID_DASK is {text!r}, a scheduler beyond the loopback address without TLS, on "
+            "which whoever connects can run any code; write a certificate by `flexsid "
+            "cluster-certificate FILE`, and use tls://"
+        )
+    return text
+
+
+def _read_address(text: str) -> str:
+    return str(ip_address(text))
+
+
+def _read_network(text: str) -> str:
+    network = ip_network(text)
+    if network.prefixlen < _WIDEST_NETWORK[network.version]:
+        raise BadInput(
+            f"FLEXSID_PROXIES has {text!r}: nearly any client could state who it is; expected the "
+            "addresses of proxies, or their network such as 10.0.0.0/24"
+        )
+    return str(network)
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+_Count = Annotated[int, BeforeValidator(_check_digits)]
+_Gigabytes = Annotated[
+    float,
+    BeforeValidator(_check_digits),
+    Field(title="a number of gigabytes", ge=0.001, le=999_999),
+]
+_Switch = Annotated[bool, BeforeValidator(_read_switch), Field(strict=True, title="yes or no")]
+_Networks = Annotated[
+    tuple[Annotated[str, AfterValidator(_read_network)], ...], BeforeValidator(_split)
+]
+_Brokers = Annotated[
+    tuple[Annotated[str, AfterValidator(_check_broker)], ...] | None, BeforeValidator(_split)
+]
+
+
+# --- The settings ---------------------------------------------------------------------------------
+
+
+class Settings(BaseSettings):
     """Address of the database, port of the web server, number of worker processes, access.
 
-    ``dask`` is the address of a scheduler; without it ``workers`` local
-    processes compute (None: one less than the number of cores). Reports use the file
-    ``report_template``. With accounts the server is known to browsers as ``url``, and listens on
-    ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
-    unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
-    database server issues. Every ``backup_hours`` the database is backed up (None: never), and
-    ``backups_retained`` of these backups are retained; they share their samples if
-    ``backups_incremental``. The file ``receiver_credentials`` has the
-    credentials of brokers of telemetry; other brokers that streams may connect to are ``brokers``
-    (None: any). An analyst may have ``analyst_jobs`` unfinished jobs, and
-    the recordings of a campaign ``campaign_gigabytes`` (None: no limit). Long recordings of whole
-    flights are in chunks at the address ``recordings`` (None: in the database). The content of
-    uploaded files is at most ``expansion`` times as large as they are. Uploads that are not
-    imported take ``account_upload_gigabytes`` of an account, and ``upload_gigabytes`` in all.
-    The file ``notifications`` has the mail server and web hook of messages to accounts.
+    Whoever makes settings states them: only ``read_settings`` reads the environment.
     """
 
-    database: str = DEFAULT_DATABASE
-    port: int = DEFAULT_PORT
-    dask: str | None = None
-    workers: int | None = None
-    report_template: str | None = None
-    mode: Mode = Mode.PERSONAL
-    url: str | None = None
-    address: str = LOOPBACK
-    proxies: tuple[str, ...] = ()
-    proxy_secret: str | None = field(default=None, repr=False)
-    openid: OpenIdProvider | None = None
-    site_key: Path | None = None
-    backup_hours: int | None = None
-    backups_retained: int = _BACKUPS_RETAINED
-    backups_incremental: bool = False
-    analyst_jobs: int | None = None
-    campaign_gigabytes: int | None = None
-    receiver_credentials: Path | None = None
-    brokers: tuple[str, ...] | None = None
-    recordings: str | None = None
-    expansion: int = _EXPANSION
-    account_upload_gigabytes: float = _ACCOUNT_UPLOAD_GIGABYTES
-    upload_gigabytes: float = _UPLOAD_GIGABYTES
-    notifications: Path | None = None
+    model_config = SettingsConfigDict(env_prefix=_PREFIX, enable_decoding=False, frozen=True)
+
+    database: str = Field(DEFAULT_DATABASE, description="URL of the database.")
+    port: _Count = Field(
+        8000, title="a port number", ge=1, le=65535, description="Port to serve on."
+    )
+    workers: _Count | None = Field(
+        None,
+        title="a number of processes",
+        ge=1,
+        le=256,
+        description="Worker processes; by default one less than the number of cores.",
+    )
+    dask: Annotated[str, AfterValidator(_check_scheduler)] | None = Field(
+        None,
+        title="an address like tls://127.0.0.1:8786",
+        description="Dask scheduler whose workers are used instead; `tls://` beyond the loopback "
+        "address.",
+    )
+    report_template: str | None = Field(
+        None, description="File with a custom template of reports; by default the built-in one."
+    )
+    mode: Mode = Field(
+        Mode.PERSONAL,
+        title=f"one of {', '.join(Mode)}",
+        description="No log-in, accounts, or log-in at the OpenID provider of an organisation, "
+        "unless a proxy names the user.",
+    )
+    url: Annotated[str, AfterValidator(_read_url)] | None = Field(
+        None,
+        title="an address like https://flexsid.example.org",
+        description="The server in the browser; by default its address and port.",
+    )
+    address: Annotated[str, AfterValidator(_read_address)] = Field(
+        "127.0.0.1",
+        title="an IP address",
+        description="Address to listen on; others than loopback need log-in and TLS.",
+    )
+    proxies: _Networks = Field(
+        (),
+        title="an IP address, or a network such as 10.0.0.0/24",
+        description="Proxies, separated by commas, which state the address of the client.",
+    )
+    proxy_secret: str | None = Field(
+        None,
+        repr=False,
+        description="Secret that the proxy sends with the user in organisation mode.",
+    )
+    oidc_issuer: Annotated[str, AfterValidator(_check_issuer)] | None = Field(
+        None,
+        title="an https:// address",
+        description="OpenID provider in organisation mode.",
+    )
+    oidc_client_id: str | None = Field(None, description="Name of the server at the provider.")
+    oidc_client_secret: str | None = Field(
+        None, repr=False, description="Secret of the server at the provider."
+    )
+    oidc_name_claim: str = Field(
+        NAME_CLAIM, description="Claim of the provider with the name of the account."
+    )
+    site_key: Path | None = Field(
+        None,
+        description="File of the key that signs reports, made at first use; by default beside the "
+        "SQLite file, and none on PostgreSQL.",
+    )
+    credentials: Path | None = Field(
+        None, description="File with credentials of brokers of telemetry."
+    )
+    brokers: _Brokers = Field(
+        default_factory=lambda data: None if data["mode"] is Mode.PERSONAL else (),
+        title="addresses such as nats://broker.example.org:4222, separated by commas, without "
+        "user and password",
+        description="Brokers that live streams may connect to without these credentials; by "
+        "default any in personal mode, otherwise none.",
+    )
+    backup_hours: _Count | None = Field(
+        None,
+        title="a number of hours",
+        ge=1,
+        le=8760,
+        description="Interval of scheduled backups beside the SQLite file; by default none is "
+        "made.",
+    )
+    backups_retained: _Count = Field(
+        7,
+        title="a number of backups",
+        ge=1,
+        le=10_000,
+        description="Scheduled backups that are retained.",
+    )
+    backups_incremental: _Switch = Field(
+        False,
+        description="These backups share one file of samples, to which new ones are added.",
+    )
+    analyst_jobs: _Count | None = Field(
+        None,
+        title="a number of jobs",
+        ge=1,
+        le=10**6,
+        description="Unfinished jobs that one analyst may have; by default without limit.",
+    )
+    campaign_gigabytes: _Count | None = Field(
+        None,
+        title="a number of gigabytes",
+        ge=1,
+        le=10**6,
+        description="Samples that the recordings of one campaign may have; by default without "
+        "limit.",
+    )
+    expansion: _Count = Field(
+        100,
+        title="a ratio",
+        ge=1,
+        le=10**6,
+        description="Most content of uploaded files, in their size (1 MB is always allowed).",
+    )
+    account_upload_gigabytes: _Gigabytes = Field(
+        10.0,
+        description="Gigabytes that uploads of one account may have until they are imported.",
+    )
+    upload_gigabytes: _Gigabytes = Field(
+        50.0, description="Gigabytes that all uploads may have until they are imported."
+    )
+    notifications: Path | None = Field(
+        None,
+        description="File with mail server and web hook by which accounts are notified.",
+    )
+    recordings: str | None = Field(
+        None,
+        description="Address of the chunks of long recordings; by default they are in the "
+        "database.",
+    )
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,
+        file_secret_settings: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Return what is given alone, as the source of values."""
+        return (init_settings,)
+
+    @property
+    def openid(self) -> OpenIdProvider | None:
+        """Provider at which users log in."""
+        if not (self.oidc_issuer and self.oidc_client_id and self.oidc_client_secret):
+            return None
+        return OpenIdProvider(
+            issuer=self.oidc_issuer,
+            client_id=self.oidc_client_id,
+            client_secret=self.oidc_client_secret,
+            name_claim=self.oidc_name_claim,
+        )
 
     @property
     def public_url(self) -> str:
@@ -101,56 +324,66 @@ class Settings:
 
 
 def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
-    """Read the variables ``FLEXSID_...``; unset ones have their defaults.
+    """Read the variables ``FLEXSID_...``; unset and empty ones have their defaults.
 
     Raises
     ------
     BadInput
         If a value is invalid, or would expose data without log-in or encryption.
     """
-    port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
-    retained = _number(environment, "FLEXSID_BACKUPS_RETAINED", "a number of backups", 10_000)
-    mode = _read_mode(environment.get("FLEXSID_MODE") or Mode.PERSONAL)
-    settings = Settings(
-        database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
-        port=DEFAULT_PORT if port is None else port,
-        dask=_read_scheduler(environment.get("FLEXSID_DASK") or None),
-        workers=_number(environment, "FLEXSID_WORKERS", "a number of processes", 256),
-        report_template=environment.get("FLEXSID_REPORT_TEMPLATE") or None,
-        mode=mode,
-        url=_read_url(environment.get("FLEXSID_URL") or None),
-        address=_read_address("FLEXSID_ADDRESS", environment.get("FLEXSID_ADDRESS") or LOOPBACK),
-        proxies=tuple(
-            _read_network("FLEXSID_PROXIES", part.strip())
-            for part in (environment.get("FLEXSID_PROXIES") or "").split(",")
-            if part.strip()
-        ),
-        proxy_secret=environment.get("FLEXSID_PROXY_SECRET") or None,
-        openid=_read_openid(environment),
-        site_key=Path(key) if (key := environment.get("FLEXSID_SITE_KEY")) else None,
-        backup_hours=_number(environment, "FLEXSID_BACKUP_HOURS", "a number of hours", 8760),
-        backups_retained=_BACKUPS_RETAINED if retained is None else retained,
-        backups_incremental=_read_switch(environment, "FLEXSID_BACKUPS_INCREMENTAL"),
-        analyst_jobs=_number(environment, "FLEXSID_ANALYST_JOBS", "a number of jobs", 10**6),
-        campaign_gigabytes=_number(
-            environment, "FLEXSID_CAMPAIGN_GIGABYTES", "a number of gigabytes", 10**6
-        ),
-        receiver_credentials=Path(file)
-        if (file := environment.get("FLEXSID_CREDENTIALS"))
-        else None,
-        brokers=_read_brokers(environment, mode),
-        recordings=environment.get("FLEXSID_RECORDINGS") or None,
-        expansion=_number(environment, "FLEXSID_EXPANSION", "a ratio", 10**6) or _EXPANSION,
-        account_upload_gigabytes=_read_gigabytes(
-            environment, "FLEXSID_ACCOUNT_UPLOAD_GIGABYTES", _ACCOUNT_UPLOAD_GIGABYTES
-        ),
-        upload_gigabytes=_read_gigabytes(
-            environment, "FLEXSID_UPLOAD_GIGABYTES", _UPLOAD_GIGABYTES
-        ),
-        notifications=Path(file) if (file := environment.get("FLEXSID_NOTIFICATIONS")) else None,
-    )
+    source = EnvSettingsSource(Settings)
+    source.env_vars = {
+        name.lower(): text
+        for name, text in environment.items()
+        if name.startswith(_PREFIX) and text
+    }
+    try:
+        settings = Settings(**source())
+    except ValidationError as error:
+        raise BadInput(_explain(error)) from None
     _check_access(settings)
     return settings
+
+
+def list_variables() -> Iterator[tuple[str, str, str, str]]:
+    """Yield name, meaning, values and default of each variable; the last two may be empty."""
+    for name, field in Settings.model_fields.items():
+        meaning, values = field.description or "", _describe_values(name)
+        yield _variable(name), meaning, values, _write(field.default)
+
+
+def _write(default: Any) -> str:
+    """Return a default as the text of a variable; empty if its meaning states it."""
+    if isinstance(default, bool):
+        return "yes" if default else "no"
+    if isinstance(default, float):
+        return f"{default:g}"
+    return str(default) if isinstance(default, str | int) else ""
+
+
+def _variable(name: str) -> str:
+    return f"{_PREFIX}{name.upper()}"
+
+
+def _describe_values(name: str) -> str:
+    field = Settings.model_fields[name]
+    limits = {
+        key: getattr(one, key)
+        for key in ("ge", "le")
+        for one in field.metadata
+        if hasattr(one, key)
+    }
+    span = " from {ge} to {le}".format_map(limits) if limits else ""
+    return f"{field.title or ''}{span}"
+
+
+def _explain(error: ValidationError) -> str:
+    """Name the first variable that is wrong, its value without credentials, and what is right."""
+    first = error.errors(include_url=False)[0]
+    name, *item = first["loc"]
+    shown = str(first["input"]).rpartition("@")[2]
+    expected = _describe_values(str(name))
+    return f"{_variable(str(name))} {'has' if item else 'is'} {shown!r}; expected {expected}"
 
 
 def _check_access(settings: Settings) -> None:
@@ -175,6 +408,12 @@ def _check_access(settings: Settings) -> None:
         raise BadInput(
             f"FLEXSID_ADDRESS is {settings.address}; beyond the loopback address FLEXSID_URL must "
             "be the https:// address of a proxy with TLS"
+        )
+    provider = (settings.oidc_issuer, settings.oidc_client_id, settings.oidc_client_secret)
+    if any(provider) and not all(provider):
+        raise BadInput(
+            "FLEXSID_OIDC_ISSUER, FLEXSID_OIDC_CLIENT_ID and FLEXSID_OIDC_CLIENT_SECRET are set "
+            "together"
         )
     if settings.openid is not None:
         if settings.mode is not Mode.ORGANISATION or settings.proxy_secret is not None:
@@ -202,136 +441,3 @@ def _check_access(settings: Settings) -> None:
             f"FLEXSID_PROXY_SECRET has fewer than {_LEAST_LETTERS} different characters; make one "
             "by `openssl rand -hex 32`"
         )
-
-
-def _read_openid(environment: Mapping[str, str]) -> OpenIdProvider | None:
-    issuer = environment.get("FLEXSID_OIDC_ISSUER") or None
-    client_id = environment.get("FLEXSID_OIDC_CLIENT_ID") or None
-    client_secret = environment.get("FLEXSID_OIDC_CLIENT_SECRET") or None
-    if issuer is None and client_id is None and client_secret is None:
-        return None
-    if issuer is None or client_id is None or client_secret is None:
-        raise BadInput(
-            "FLEXSID_OIDC_ISSUER, FLEXSID_OIDC_CLIENT_ID and FLEXSID_OIDC_CLIENT_SECRET are set "
-            "together"
-        )
-    parts = urlsplit(issuer)
-    is_local = _is_loopback(parts.hostname or "")
-    if parts.scheme != "https" and not (parts.scheme == "http" and is_local):
-        raise BadInput(f"FLEXSID_OIDC_ISSUER is {issuer!r}; expected an https:// address")
-    return OpenIdProvider(
-        issuer=issuer,
-        client_id=client_id,
-        client_secret=client_secret,
-        name_claim=environment.get("FLEXSID_OIDC_NAME_CLAIM") or NAME_CLAIM,
-    )
-
-
-def _read_switch(environment: Mapping[str, str], name: str) -> bool:
-    text = environment.get(name) or "no"
-    if text not in ("yes", "no"):
-        raise BadInput(f"{name} is {text!r}; expected yes or no")
-    return text == "yes"
-
-
-def _read_mode(text: str) -> Mode:
-    try:
-        return Mode(text)
-    except ValueError as error:
-        raise BadInput(f"FLEXSID_MODE is {text!r}; expected one of {', '.join(Mode)}") from error
-
-
-def _read_url(text: str | None) -> str | None:
-    if text is None:
-        return None
-    parts = urlsplit(text)
-    if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
-        raise BadInput(f"FLEXSID_URL is {text!r}; expected one like https://flexsid.example.org")
-    if parts.username is not None or parts.password is not None:
-        raise BadInput("FLEXSID_URL contains a user or a password, which pages would show")
-    return f"{parts.scheme}://{parts.netloc.lower()}"
-
-
-def _read_brokers(environment: Mapping[str, str], mode: Mode) -> tuple[str, ...] | None:
-    """Read the brokers of streams; members of a team name only those that are listed."""
-    text = environment.get("FLEXSID_BROKERS")
-    if not text and mode is Mode.PERSONAL:
-        return None
-    brokers = tuple(part.strip() for part in (text or "").split(",") if part.strip())
-    for broker in brokers:
-        if not _is_broker(broker):
-            raise BadInput(
-                f"FLEXSID_BROKERS has {broker.rpartition('@')[2]!r}; expected addresses such as "
-                "nats://broker.example.org:4222, separated by commas, without user and password"
-            )
-    return brokers
-
-
-def _is_broker(text: str) -> bool:
-    try:
-        parts = urlsplit(text)
-        has_more = "@" in text or parts.path.strip("/") or parts.query or parts.port == 0
-    except ValueError:  # of the port, or of an IPv6 address
-        return False
-    return bool(parts.scheme and parts.hostname and not has_more)
-
-
-def _read_scheduler(text: str | None) -> str | None:
-    """Read the address of a Dask scheduler, on which whoever connects can run any code."""
-    if text is None:
-        return None
-    parts = urlsplit(text)
-    if parts.scheme not in ("tcp", "tls") or not parts.hostname:
-        raise BadInput(f"FLEXSID_DASK is {text!r}; expected one like tls://127.0.0.1:8786")
-    if parts.scheme == "tcp" and not _is_loopback(parts.hostname):
-        raise BadInput(
-            f"FLEXSID_DASK is {text!r}, a scheduler beyond the loopback address without TLS, on "
-            "which whoever connects can run any code; write a certificate by `flexsid "
-            "cluster-certificate FILE`, and use tls://"
-        )
-    return text
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def _read_address(name: str, text: str) -> str:
-    try:
-        return str(ip_address(text))
-    except ValueError as error:
-        raise BadInput(f"{name} has {text!r}; expected an IP address") from error
-
-
-def _read_network(name: str, text: str) -> str:
-    try:
-        network = ip_network(text)
-    except ValueError as error:
-        raise BadInput(
-            f"{name} has {text!r}; expected an IP address, or a network such as 10.0.0.0/24"
-        ) from error
-    if network.prefixlen < _WIDEST_NETWORK[network.version]:
-        raise BadInput(
-            f"{name} has {text!r}: nearly any client could state who it is; expected the addresses "
-            "of proxies, or their network such as 10.0.0.0/24"
-        )
-    return str(network)
-
-
-def _read_gigabytes(environment: Mapping[str, str], name: str, default: float) -> float:
-    text = environment.get(name) or str(default)
-    if re.fullmatch(r"[0-9]{1,6}(\.[0-9]{1,3})?", text, re.ASCII) is None or float(text) == 0.0:
-        raise BadInput(f"{name} is {text!r}; expected a number of gigabytes from 0.001 to 999999")
-    return float(text)
-
-
-def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:
-    text = environment.get(name)
-    if not text:
-        return None
-    if not (text.isascii() and text.isdigit() and 0 < int(text[:9]) <= most):
-        raise BadInput(f"{name} is {text!r}; expected {what} from 1 to {most}")
-    return int(text)

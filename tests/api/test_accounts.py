@@ -40,7 +40,7 @@ def fast_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def team(serve: Serve, flown_url: str, app) -> Iterator[TestClient]:
     with serve(flown_url) as client:
-        app.state.settings = replace(app.state.settings, mode=Mode.TEAM)
+        app.state.settings = app.state.settings.model_copy(update={"mode": Mode.TEAM})
         client.headers["Origin"] = "http://127.0.0.1:8000"
         yield client
 
@@ -184,7 +184,7 @@ def test_invitation_is_checked_before_the_password_is_hashed(
 
 
 def test_client_is_the_last_that_the_proxy_states(ann: Member, accounts_store: Store, app) -> None:
-    app.state.settings = replace(app.state.settings, proxies=(PEER,))
+    app.state.settings = app.state.settings.model_copy(update={"proxies": (PEER,)})
     forged = [("X-Forwarded-For", "192.0.2.1"), ("X-Forwarded-For", "192.0.2.7")]
     sent = {"name": "Any", "password": "wrong password"}
     ann.client.post(f"{API}/session", json=sent, headers=forged)
@@ -331,9 +331,8 @@ def test_author_is_who_is_logged_in(ann: Member) -> None:
 
 
 def _organisation(app, client: TestClient, proxies: tuple[str, ...] = (PEER,)) -> None:
-    app.state.settings = replace(
-        app.state.settings, mode=Mode.ORGANISATION, proxies=proxies, proxy_secret=SECRET
-    )
+    own = {"mode": Mode.ORGANISATION, "proxies": proxies, "proxy_secret": SECRET}
+    app.state.settings = app.state.settings.model_copy(update=own)
 
 
 def test_proxy_names_the_user(ann: Member, app) -> None:
@@ -376,7 +375,7 @@ def test_proxy_headers_of_other_addresses_and_modes_are_refused(ann: Member, app
 def test_password_log_in_exists_in_team_mode_only(ann: Member, app) -> None:
     _organisation(app, ann.client)
     assert _log_in(ann.client).json()["code"] == "no-log-in"
-    app.state.settings = replace(app.state.settings, mode=Mode.PERSONAL)
+    app.state.settings = app.state.settings.model_copy(update={"mode": Mode.PERSONAL})
     assert _log_in(ann.client).json()["code"] == "no-log-in"
 
 

@@ -27,7 +27,7 @@ from flexsid.workflow.maintenance.database import check_database
 @pytest.fixture
 def team(serve: Serve, flown_url: str, app) -> Iterator[TestClient]:
     with serve(flown_url) as client:
-        app.state.settings = replace(app.state.settings, mode=Mode.TEAM)
+        app.state.settings = app.state.settings.model_copy(update={"mode": Mode.TEAM})
         yield client
 
 

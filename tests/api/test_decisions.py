@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, cast
 
 import pytest
@@ -274,7 +273,9 @@ def test_a_notebook_reads_from_the_address_of_the_server(
 ) -> None:
     """Behind a proxy the host that a request names may be another."""
     state = cast(FastAPI, client.app).state
-    monkeypatch.setattr(state, "settings", replace(state.settings, url="https://x.example/"))
+    monkeypatch.setattr(
+        state, "settings", state.settings.model_copy(update={"url": "https://x.example/"})
+    )
     for path in ("runs/1", "conditions/1"):
         found = client.get(f"{API}/{path}/notebook")
         assert "Workbench('https://x.example'" in found.text

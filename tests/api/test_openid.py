@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -60,9 +59,10 @@ def issuer() -> Iterator[str]:
 @pytest.fixture
 def organisation(serve: Serve, flown_url: str, app, issuer: str) -> Iterator[TestClient]:
     with serve(flown_url) as client:
-        openid = OpenIdProvider(issuer=issuer, client_id="flexsid", client_secret="s" * 32)
-        app.state.settings = replace(
-            app.state.settings, mode=Mode.ORGANISATION, url=HERE, openid=openid
+        provider = {"oidc_issuer": issuer, "oidc_client_id": "flexsid"}
+        provider |= {"oidc_client_secret": "s" * 32, "url": HERE}
+        app.state.settings = app.state.settings.model_copy(
+            update={**provider, "mode": Mode.ORGANISATION}
         )
         client.follow_redirects = False
         yield client
@@ -169,9 +169,8 @@ def test_headers_of_a_proxy_name_nobody(ann: Member, organisation: TestClient) -
 
 
 def test_an_absent_provider_is_named(organisation: TestClient, app) -> None:
-    settings = app.state.settings
-    closed = replace(settings.openid, issuer="http://127.0.0.1:9")
-    app.state.settings = replace(settings, openid=closed)
+    closed = {"oidc_issuer": "http://127.0.0.1:9"}
+    app.state.settings = app.state.settings.model_copy(update=closed)
     assert _problem(organisation.get(f"{API}/session/openid")) == "provider-unavailable"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Iterator
-from dataclasses import replace
 
 import pytest
 from fastapi.testclient import TestClient
@@ -23,7 +22,7 @@ pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 @pytest.fixture
 def team(serve: Serve, flown_url: str, app) -> Iterator[TestClient]:
     with serve(flown_url) as client:
-        app.state.settings = replace(app.state.settings, mode=Mode.TEAM)
+        app.state.settings = app.state.settings.model_copy(update={"mode": Mode.TEAM})
         yield client
 
 

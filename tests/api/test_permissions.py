@@ -59,7 +59,7 @@ def team(serve: Serve, flown_url: str, app) -> Iterator[TestClient]:
     """A server with two campaigns; records of every kind, all with id 1, are in the first."""
     with serve(flown_url) as client:
         _fill(client, app.state.context.store)
-        app.state.settings = replace(app.state.settings, mode=Mode.TEAM)
+        app.state.settings = app.state.settings.model_copy(update={"mode": Mode.TEAM})
         yield client
 
 

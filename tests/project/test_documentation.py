@@ -15,11 +15,11 @@ from ruamel.yaml import YAML
 
 import flexsid
 from flexsid.cli.main import build_parser
+from flexsid.settings import list_variables
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 README = (ROOT / "README.md").read_text()
-VARIABLES = (ROOT / "docs" / "reference" / "variables.md").read_text()
 
 
 def _help(*command: str) -> str:
@@ -40,13 +40,23 @@ def test_every_command_has_help_and_a_database_option(command):
     assert "--database" in _help(command)
 
 
-def test_the_documentation_lists_exactly_the_environment():
-    read = {
-        name
-        for path in (ROOT / "backend" / "flexsid").rglob("*.py")
-        for name in re.findall(r"\bFLEXSID_[A-Z_]+\b", path.read_text())
-    }
-    assert read == set(re.findall(r"^\| `([^`]+)`", VARIABLES, re.MULTILINE))
+def _find_variables(*paths: Path) -> set[str]:
+    return {n for path in paths for n in re.findall(r"\bFLEXSID_[A-Z_]+\b", path.read_text())}
+
+
+def test_variables_that_are_named_anywhere_are_settings_or_of_the_client():
+    settings = {name for name, *_ in list_variables()}
+    page = _find_variables(ROOT / "docs" / "reference" / "variables.md")  # prints the settings
+    used = _find_variables(*(ROOT / "backend" / "flexsid").rglob("*.py"))
+    assert used - settings == page == {"FLEXSID_TOKEN"}
+    told = _find_variables(*(ROOT / "docs").rglob("*.md"), *ROOT.glob("*.md"), ROOT / "Dockerfile")
+    assert told - settings == page
+
+
+def test_every_variable_has_a_meaning_in_one_sentence_that_fits_a_table():
+    for name, meaning, values, default in list_variables():
+        assert re.fullmatch(r"[A-Z][^|\n]+\.", meaning), name
+        assert "|" not in values + default
 
 
 def test_the_readme_is_short():

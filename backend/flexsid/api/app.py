@@ -230,7 +230,7 @@ def create_app(
         dispatcher.start()
         streams = LiveStreams(
             *(store, live.publish_stream, dispatcher.wake),
-            *(settings.receiver_credentials, settings.brokers),
+            *(settings.credentials, settings.brokers),
         )
         streams.resume()
         app.state.context = Context(

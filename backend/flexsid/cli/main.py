@@ -12,15 +12,16 @@ import os
 import pkgutil
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import flexsid
 from flexsid.cli.output import discard_output, flush_output, print_error
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.messages import loading
-from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
+
+if TYPE_CHECKING:
+    from flexsid.settings import Settings
 
 _MODAL_ACTIONS = (
     *("inspect", "import", "list", "modes", "correlate", "orthogonality", "update", "export"),
@@ -53,9 +54,11 @@ def main(command_line: Sequence[str] | None = None) -> int:
 
 def _run(given: Sequence[str]) -> int:
     arguments = build_parser(*given[:1]).parse_args(given)
+    from flexsid.settings import read_settings
+
     settings = read_settings()
     if arguments.database is not None:
-        settings = replace(settings, database=arguments.database)
+        settings = settings.model_copy(update={"database": arguments.database})
     return _load_command(arguments.command)(settings, arguments)
 
 
@@ -91,6 +94,10 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     """
     parser = _Parser(prog="flexsid", description="Identify flexible aircraft from flight test.")
     parser.add_argument("--version", action="version", version=f"flexsid {flexsid.__version__}")
+    if only == "--version":
+        return parser
+    with loading():
+        from flexsid.settings import DEFAULT_DATABASE
     commands = parser.add_subparsers(required=True, metavar=None)
 
     def add(
@@ -253,7 +260,7 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     )
     summary = "test whether one linear model holds at the amplitudes of several runs"
     _add_amplitude_options(add("amplitudes", "models:compare_amplitudes", summary))
-    if only not in (*commands.choices, "--version"):
+    if only not in commands.choices:
         with loading():
             from flexsid.cli.analyses import list_commands
             from flexsid.cli.options import add_request

@@ -43,14 +43,14 @@ def encode(value: Any) -> Any:
 
 
 # Evaluating the annotations of a class takes longer than reading a value of it.
-_get_hints = cache(get_type_hints)
+get_hints = cache(get_type_hints)
 
 
 @cache
 def describe_type(kind: Any) -> str:
     """Describe a type with all its fields and their types: what ``decode`` can read."""
     if is_dataclass(kind):
-        own = (f"{name}: {describe_type(hint)}" for name, hint in _get_hints(kind).items())
+        own = (f"{name}: {describe_type(hint)}" for name, hint in get_hints(kind).items())
         return f"({', '.join(own)})"
     if arguments := get_args(kind):
         return f"{get_origin(kind)}[{', '.join(map(describe_type, arguments))}]"
@@ -69,7 +69,7 @@ def _decode(kind: Any, content: Any) -> Any:
             return None
         return _decode(next(one for one in arguments if one is not type(None)), content)
     if is_dataclass(kind):
-        hints = _get_hints(kind)
+        hints = get_hints(kind)
         return cast(Any, kind)(**{name: _decode(hints[name], v) for name, v in content.items()})
     if getattr(kind, "array_type", kind) is np.ndarray:  # with or without a shape
         raw = base64.b64decode(content["data"])

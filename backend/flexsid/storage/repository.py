@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 from datetime import UTC, datetime
 from enum import Enum
 from functools import cache
-from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_type_hints
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 import sqlalchemy as sa
 from pydantic import TypeAdapter
@@ -20,6 +20,7 @@ from sqlalchemy.exc import IntegrityError
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.run import Method
 from flexsid.storage.database import Database, NotFinite
+from flexsid.storage.encoding import get_hints
 from flexsid.text import LARGEST_ID
 
 # --- Reading once: what several functions of one request read is read and decoded once ------------
@@ -105,7 +106,7 @@ class Repository(Generic[R]):
         self._derived = derived or {}
         names = (field.name for field in fields(record))
         self.fields = tuple(name for name in names if name not in self._derived)
-        self._methods = [n for n, kind in get_type_hints(record).items() if kind is Method]
+        self._methods = [n for n, kind in get_hints(record).items() if kind is Method]
         self._nested = {name for name in self.fields if isinstance(table.c[name].type, sa.JSON)}
 
     def add(self, record: R) -> R:
@@ -251,7 +252,7 @@ def _adapt(record: type[Record]) -> TypeAdapter[Any]:
 
 @cache
 def _adapt_field(record: type[Record], name: str) -> TypeAdapter[Any]:
-    return TypeAdapter(get_type_hints(record)[name])
+    return TypeAdapter(get_hints(record)[name])
 
 
 def _plain(value: Any) -> Any:
