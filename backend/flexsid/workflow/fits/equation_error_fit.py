@@ -20,6 +20,7 @@ from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconst
 from flexsid.sysid.estimation.starting_values import estimate_delays, regress_parts
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     ManeuverData,
@@ -29,7 +30,6 @@ from flexsid.workflow.fits.estimation_task import (
     regularise_start,
     select_free_parameters,
 )
-from flexsid.workflow.measurements.recording import MeasuredSpectra
 
 # --- Equation-error estimate of a task: reconstructed motion, and one regression per maneuver -----
 

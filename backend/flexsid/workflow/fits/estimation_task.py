@@ -40,8 +40,9 @@ from flexsid.sysid.estimation.nuisance import (
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
-from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
+from flexsid.workflow.measurements.recording import ManeuverMeasurement
 from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
