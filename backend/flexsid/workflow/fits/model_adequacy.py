@@ -28,10 +28,10 @@ from flexsid.sysid.adequacy.sensor_influence import SensorInfluence
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
+from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, build_experiments
 
 _MOST_REASONS = 2
