@@ -13,9 +13,9 @@ from flexsid.records.maneuver import Flight, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.simulation.airframe import assemble_airframe
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.aircraft.aircraft_models import define_outputs, list_default_outputs
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
-from flexsid.workflow.measurements.recording import MeasuredSpectra
 
 _FLIGHT = 99  # of maneuvers that are simulated only for comparison with the truth
 

@@ -104,7 +104,7 @@ def test_the_newest_run_of_each_method_counts(
 def test_a_long_list_takes_no_more_statements_than_a_short_one(
     store: Store, add_maneuver: AddManeuver, add_run: Callable[..., EstimationRun]
 ) -> None:
-    """`benchmarks/pages.py` measures the time of a thousand maneuvers."""
+    """`backend/benchmarks/pages.py` measures the time of a thousand maneuvers."""
 
     def add(count: int) -> None:
         with store.transaction():

@@ -14,9 +14,9 @@ from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.sensor_models import Instrument, SecondOrder
 from flexsid.sysid.simulation.airframe import SensorErrors, apply_sensor_errors
-from flexsid.sysid.simulation.closed_loop import compute_loop_margins
 from flexsid.sysid.simulation.preflight_simulation import simulate_flight
 from flexsid.sysid.simulation.turbulence import DiscreteGust, compute_discrete_gust
+from flexsid.sysid.stability.closed_loop import Loop, compute_digital_margins
 
 RATE = 400.0
 SERVO = ActuatorLimits(natural_frequency=62.0, damping=0.75)
@@ -143,9 +143,8 @@ def test_freeplay_holds_the_surface_and_the_delay_shifts_it():
 def test_margins_of_the_loop_are_those_at_which_it_becomes_unstable():
     plain = Instrument(elements=(SecondOrder(natural_frequency=62.0, damping=0.75),))
     chain = [plain, plain, Instrument()]
-    (margins,) = compute_loop_margins(PLANT, chain, LAW, 0.005, RATE)
-    assert margins.surface == "bfs"
-    assert margins.gain is not None
+    loop = Loop(law=LAW, actuators=(plain,), delay_s=0.005)
+    (margins,) = compute_digital_margins(PLANT, loop, RATE)
     assert margins.gain > 1.5
 
     def grows(factor: float) -> bool:

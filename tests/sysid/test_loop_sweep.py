@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.stability.closed_loop import LoopPoint, Margins, find_stability_limit
+from flexsid.sysid.stability.closed_loop import LoopPoint, find_stability_limit
+from flexsid.sysid.stability.margins import Margins
 
 OFFSETS = np.linspace(-1.0, 1.0, 401)
 
@@ -21,7 +22,7 @@ def point(airspeed: float) -> LoopPoint:
         roots=np.array([growth(airspeed) + 3.0j]),
         growth=growth(airspeed),
         growth_std=0.0,
-        margins=(Margins(gain_up=2.0, phase=1.0, disk=0.5),),
+        margins=(Margins(gain=2.0, gain_up=2.0, phase=1.0, modulus=0.5, disk=0.5),),
         gain_std=nothing,
         phase_std=nothing,
         disk_std=nothing,

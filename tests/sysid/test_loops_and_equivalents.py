@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from typing import Any
 
 import control
@@ -12,11 +12,18 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.aeroelastic import StateSpace
+from flexsid.sysid.model.sensor_models import Instrument, SecondOrder
 from flexsid.sysid.stability.closed_loop import (
+    Loop,
     close_loop,
+    compute_digital_margins,
+    evaluate_loop_point,
+    frequency_response,
+)
+from flexsid.sysid.stability.margins import (
     compute_broken_loops,
     compute_margins,
-    frequency_response,
+    estimate_margin_errors,
 )
 from flexsid.sysid.stability.order import compute_equivalent_modes, fit_in_vacuo_mode
 from flexsid.sysid.stability.poles import Aeroelastic
@@ -65,16 +72,40 @@ def test_closed_loop_poles_are_those_of_python_control(plant):
 
 
 @pytest.mark.parametrize("feedback", [0.4, -0.15])
-def test_margins_are_those_of_python_control(plant, feedback):
+def test_margins_are_those_of_the_transfer_function(plant, feedback):
+    """Its polynomials, in python-control, need no frequencies."""
     law = controller(feedback, "wf3s")
-    found = compute_margins(compute_broken_loops(loop_gain(plant, law, OMEGA))[:, 0])
+    found = compute_margins(OMEGA, compute_broken_loops(loop_gain(plant, law, OMEGA))[:, 0])
     with np.errstate(invalid="ignore"):  # python-control compares where it found nothing
-        gain, phase, *_ = control.stability_margins(-law.to_control() * siso(plant))
-    if np.isfinite(gain) and gain > 1.0:  # python-control returns the nearest in either direction
-        assert found.gain_up == pytest.approx(gain, rel=1e-3)
-    if np.isfinite(phase):
-        assert found.phase == pytest.approx(np.deg2rad(abs(phase)), rel=1e-3)
+        gain, phase, modulus, *_ = control.stability_margins(-law.to_control() * siso(plant))
+    assert found.gain == pytest.approx(gain, rel=1e-5)
+    assert found.phase == pytest.approx(np.deg2rad(abs(phase)), rel=1e-5)
+    assert found.modulus == pytest.approx(modulus, rel=1e-4)
+    assert found.gain_up >= found.gain
     assert 0.0 < found.disk < 2.0
+
+
+def test_a_loop_has_the_same_margins_before_flight_and_over_airspeed(make_case):
+    """A digital law delays by a sample and a half."""
+    case = make_case(2)
+    servo = Instrument(elements=(SecondOrder(natural_frequency=62.0, damping=0.75),), delay_s=0.01)
+    loop = Loop(law=controller(0.2, "wf3s", "wf4s"), actuators=(servo, servo), delay_s=0.02)
+    before = compute_digital_margins(case.model.state_space(case.truth), loop, 100.0)
+    late = replace(loop, delay_s=0.02 + 0.015)
+    over = evaluate_loop_point(case.model, case.truth, (), late, (0.3, 150.0)).margins
+    for digital, swept in zip(before, over, strict=True):
+        np.testing.assert_allclose(astuple(digital), astuple(swept), rtol=5e-3)
+
+
+def test_margins_of_samples_scatter_by_what_their_loops_do(plant):
+    """A factor on a loop is one on its gain margin, and a rotation one of its phase margin."""
+    L = compute_broken_loops(loop_gain(plant, controller(0.4, "wf3s"), OMEGA))
+    rng = np.random.default_rng(0)
+    gains, turns = rng.normal(0.0, 0.01, 40), rng.normal(0.0, 0.01, 40)
+    scaled = estimate_margin_errors(np.exp(gains)[:, None, None] * L)
+    turned = estimate_margin_errors(np.exp(1j * turns)[:, None, None] * L)
+    assert scaled[0, 0] == pytest.approx(gains.std(), rel=1e-2)
+    assert turned[1, 0] == pytest.approx(turns.std(), rel=1e-2)
 
 
 def test_a_loop_broken_at_one_surface_leaves_the_others_closed(plant):

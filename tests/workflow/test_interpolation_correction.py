@@ -11,13 +11,13 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.interpolation import compute_interpolation_bias, correct_interpolation
 from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     get_first_start,
     select_free_parameters,
 )
-from flexsid.workflow.fits.likelihood_fit import compute_interpolation_bias, correct_interpolation
 from flexsid.workflow.fits.run_warnings import warn_of_interpolation
 from flexsid.workflow.runs.estimation import compute_run, prepare
 
@@ -38,7 +38,7 @@ def test_errors_by_interpolation_are_removed(store: Store):
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
     exact = np.array([truth[name] for name in parameters.names])
     measured = build_experiments(task)
-    corrected = correct_interpolation(task, measured, parameters, exact)
+    corrected = correct_interpolation(task.maneuvers, measured, parameters, exact)
     before, after = (
         np.mean(np.abs(one.measured - model.respond(exact).outputs) ** 2)
         for (one,) in (measured, corrected)
@@ -46,7 +46,8 @@ def test_errors_by_interpolation_are_removed(store: Store):
     )
     assert after < 0.01 * before
     remaining = [
-        compute_interpolation_bias(task, data, parameters, exact) for data in (measured, corrected)
+        compute_interpolation_bias(task.maneuvers, measured, data, parameters, exact)
+        for data in (measured, corrected)
     ]
     assert remaining[0] > 0.1
     assert remaining[1] < 1e-6

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from flexsid.sysid.excitation.designer import DesignSpecification
-from flexsid.sysid.simulation.closed_loop import LoopMargins
 
 DEFAULT_LEVEL = 1
 """Amplitude of a design: 0 low, 1 medium, 2 high."""
@@ -39,6 +38,20 @@ class SurfaceUse:
     name: str
     deflection_peak: float
     limited: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopMargins:
+    """Margins of the loop broken at one surface, the others closed; None where there is none.
+
+    ``gain`` is the factor on the loop at which it becomes unstable, above or below one [1];
+    ``phase`` is in rad, ``modulus`` is the least distance of the loop from -1. [1]
+    """
+
+    surface: str
+    gain: float | None
+    phase: float | None
+    modulus: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

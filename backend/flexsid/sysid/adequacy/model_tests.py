@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import linalg, sparse, special
 
+from flexsid.errors import NotIdentifiable
 from flexsid.sysid.adequacy.sensor_influence import SensorInfluence, compute_sensor_influences
 from flexsid.sysid.adequacy.several_tests import adjust_by_holm
 from flexsid.sysid.estimation import noise
@@ -29,6 +30,7 @@ from flexsid.sysid.estimation.covariance import (
     estimate_noise,
     weight_score_noise,
 )
+from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import (
     FactoredModel,
@@ -37,8 +39,10 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     Sensitivity,
     expand_sensitivity,
 )
+from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import build_prior
+from flexsid.sysid.estimation.maneuver_data import ManeuverData
 from flexsid.sysid.estimation.noise import compute_band_powers
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -146,6 +150,34 @@ class OpposedMotion:
     def inputs(self) -> Complex[np.ndarray, "n_omega n_u"]:
         """Inputs of the other axis."""
         return self.variables.pick(tuple(self.pairs.values())).values
+
+
+def reconstruct_opposed_motion(data: ManeuverData) -> OpposedMotion | None:
+    """Reconstruct the motion of the other axis; only its inputs without enough sensors."""
+    other = data.opposed
+    if other is None:
+        return None
+    inputs = other.measured.inputs
+    try:
+        motion, _ = reconstruct_with_out_of_band_modes(other)
+    except NotIdentifiable:
+        variables = inputs
+    else:
+        regressors = build_regressors(other.model, motion, inputs)
+        variables = FrequencyData(inputs.omega, regressors, other.model.variables)
+    return OpposedMotion(variables, data.pairs)
+
+
+def select_causes(tests: Sequence[ModelTest], n_outputs: int) -> list[ModelTest]:
+    """Select the rejecting tests of held quantities that explain most of the residuals.
+
+    At least half of the residuals of one output, and half of what the first cause explains.
+    """
+    found = sorted((test for test in tests if test.rejects), key=lambda test: -test.explained)
+    if not found:
+        return []
+    least = max(0.5 / n_outputs, 0.5 * found[0].explained)
+    return [test for test in found if test.explained >= least]
 
 
 def compute_model_tests(

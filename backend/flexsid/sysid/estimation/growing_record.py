@@ -21,6 +21,7 @@ from flexsid.sysid.estimation.leakage import subtract_free_motion
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.noise import NoiseSpectrum
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum, widen_by_change
+from flexsid.sysid.spectra.measured_spectra import compute_resolution_overlap
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
 _MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; a few alternate between two
@@ -102,7 +103,7 @@ def select_resolved_frequencies(
     array
         Their indices.
     """
-    return np.arange(0, omega.size, max(1, round(_compute_resolution_overlap(omega, duration_s))))
+    return np.arange(0, omega.size, round(compute_resolution_overlap(omega, duration_s)))
 
 
 def fit_growing_record(
@@ -198,7 +199,7 @@ def fit_growing_record(
         if not is_weighted and found.outcome.is_optimum and duration_s < _FIRST_ERRORS_S:
             found = replace(found, message=_TOO_SHORT)
     complete = subtract_free_motion(data, whole, found.values)
-    overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
+    overlap = compute_resolution_overlap(experiment.omega, duration_s)
     estimate = found.select(parameters.names).scale_covariance(overlap)
     if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
         estimate = estimate.without_std_errors()
@@ -251,9 +252,3 @@ def _fit_without_feedback_noise(
     base = replace(base, outcome=Outcome.CONVERGED)
     estimate = weight_by_noise_spectrum(corrected, at_optimum, base, settings, known=found.noise)
     return corrected[0], estimate.scale_covariance(max(1.0, found.residual_power))
-
-
-def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:
-    """Compute the number of frequencies per resolution 1/T of a record."""
-    spacing_hz = float(np.median(np.diff(omega))) / (2.0 * np.pi)
-    return 1.0 / (spacing_hz * duration_s)

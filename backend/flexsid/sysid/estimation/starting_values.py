@@ -28,6 +28,7 @@ from flexsid.sysid.estimation.reconstruction import (
     reconstruct_motion,
 )
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.rigid_body import ACCELERATION, INTEGRAL, RATE
 from flexsid.sysid.signals import FrequencyData, check_signal
 
@@ -285,3 +286,45 @@ def _interpolate_minimum(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"])
     curvature = left - 2.0 * middle + right
     offset = 0.5 * (left - right) / curvature if curvature > 0 else 0.0
     return float(x[k] + np.clip(offset, -1.0, 1.0) * (x[1] - x[0]))
+
+
+# --- Out-of-band modes ----------------------------------------------------------------------------
+
+
+def regularise_start(
+    parameters: Parameters,
+    values: Float[np.ndarray, " n_theta"],
+    out_of_band: Sequence[int],
+    predicted: DerivativeTable | None,
+) -> DerivativeTable:
+    """Replace the derivatives of out-of-band modes by predicted or in-vacuo values.
+
+    Parameters
+    ----------
+    parameters
+        Derivatives only.
+    values
+        Their values from equation error.
+    out_of_band
+        Indices of the modes above the highest frequency.
+    predicted
+        Source of their derivatives; without it the modes have their frequency and damping
+        in vacuo.
+
+    Notes
+    -----
+    The data contain little more of such a mode than its quasi-static response. Equation error
+    gives values that are mostly noise, and a fit that starts there may move the mode into the
+    band, where it fits noise common to all sensors: a higher likelihood, and a biased model.
+    """
+    n, first = len(parameters.base.modes), parameters.base.body.size
+    rows, columns = parameters.rows, parameters.columns
+    index = np.asarray(out_of_band, dtype=int)
+    own = np.isin(rows, first + index)
+    moved = np.isin(columns, np.r_[first + index, first + n + index])
+    elastic = (columns >= first) & (columns < first + 2 * n)
+    if predicted is None:
+        table = np.where(moved | (own & elastic), 0.0, values)
+    else:
+        table = np.where(own | moved, predicted.values[rows, columns], values)
+    return parameters.table(table)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import scipy
@@ -127,6 +128,43 @@ def _compute_log_densities(
 
 
 # --- The flight condition at which one more run would reduce the uncertainty most -----------------
+
+_GRID = {1: 25, 2: 9, 3: 5}  # values of each variable: at most 125 conditions
+_FEWEST_VALUES = 3  # of each of more variables
+
+
+def find_next_condition(selected: SelectedModel) -> tuple[Float[np.ndarray, " n_v"], float] | None:
+    """Find where in the envelope one more run reduces the variance most.
+
+    Returns
+    -------
+    condition, reduction
+        The condition, and the relative reduction of the mean variance by a run with the median
+        covariance of those flown [1]; None where no run has all derivatives.
+    """
+    runs, basis = selected.runs, selected.model.basis
+    complete = np.flatnonzero(runs.is_estimated.all(axis=1))
+    grid = _build_grid(basis.lowest, basis.highest)
+    grid = grid[~basis.is_extrapolated(grid)]
+    if complete.size == 0 or len(grid) == 0:
+        return None
+    sizes = np.diagonal(runs.covariances[complete], axis1=1, axis2=2) / selected.fit.scale**2
+    median = complete[np.argsort(sizes.sum(axis=1))[complete.size // 2]]
+    reductions = compute_variance_reductions(selected.model, runs.covariances[median], grid)
+    best = int(np.argmax(reductions))
+    return grid[best], float(reductions[best])
+
+
+def _build_grid(
+    lowest: Float[np.ndarray, " n_v"], highest: Float[np.ndarray, " n_v"]
+) -> Float[np.ndarray, "n n_v"]:
+    """Build a grid of conditions between two corners of the envelope."""
+    count = _GRID.get(lowest.size, _FEWEST_VALUES)
+    axes = [
+        np.linspace(low, high, count if high > low else 1)
+        for low, high in zip(lowest, highest, strict=True)
+    ]
+    return np.array(list(product(*axes)))
 
 
 def compute_variance_reductions(

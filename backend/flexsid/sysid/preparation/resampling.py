@@ -262,3 +262,20 @@ def fill_between(
     if between is BetweenSamples.LINEAR:
         return np.interp(index, new, samples[new])
     return scipy.interpolate.make_interp_spline(new, samples[new], k=3)(index)
+
+
+def respond_between(
+    theta: Float[np.ndarray, " n_omega"], between: BetweenSamples | None
+) -> Float[np.ndarray, " n_omega"] | Complex[np.ndarray, " n_omega"]:
+    """Return the transform of a held or linear signal over the sum of its samples. [1]
+
+    Parameters
+    ----------
+    theta
+        Frequencies times the interval between samples. [rad]
+    """
+    if between is BetweenSamples.HELD:
+        return np.sinc(theta / (2.0 * np.pi)) * np.exp(-0.5j * theta)
+    if between is BetweenSamples.LINEAR:
+        return np.sinc(theta / (2.0 * np.pi)) ** 2
+    return np.ones(theta.size)

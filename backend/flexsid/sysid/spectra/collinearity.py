@@ -65,6 +65,20 @@ def assess_collinearity(
     return Collinearity(correlation, inflation, condition)
 
 
+def compute_variance_inflation(gram: Float[np.ndarray, "n n"]) -> Float[np.ndarray, " n"]:
+    """Compute the factors by which collinearity increases the variances of all columns. [1]
+
+    ``gram`` has the products of the columns with each other, as a normal or information matrix.
+
+    Notes
+    -----
+    The diagonal of the pseudo-inverse of the matrix with unit diagonal.
+    """
+    size = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
+    unit = gram / np.outer(size, size)
+    return np.diag(np.linalg.pinv(unit, rcond=1e-12, hermitian=True))
+
+
 WEAK_CONDITION_INDEX = 10.0  # Belsley, Kuh and Welsch: weak from 5 to 10 on, strong from 30
 _LEAST_VARIANCE_SHARE = 0.3  # of a term's variance in a direction, to be part of the dependency
 

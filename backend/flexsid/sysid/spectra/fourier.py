@@ -6,7 +6,7 @@ from functools import cache, lru_cache
 
 import numpy as np
 import scipy
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
 from flexsid.errors import BadInput
 
@@ -366,3 +366,61 @@ def _trigonometric_matrix(
     coarse = np.exp(1j * np.outer(omega / rate_hz, block * np.arange(-(-n_samples // block))))
     rotation = (coarse[:, :, None] * fine[:, None, :]).reshape(omega.size, -1)[:, :n_samples]
     return np.ascontiguousarray(np.real(rotation)), np.ascontiguousarray(np.imag(rotation))
+
+
+# --- Attitudes, which need not return to trim -----------------------------------------------------
+
+_LEVEL_S = 0.5  # at either end of a record, that define the level there
+
+
+def transform_with_levels(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    omega: Float[np.ndarray, " n_omega"],
+    start_s: float,
+    is_attitude: Bool[np.ndarray, " n_channels"],
+    *,
+    integrated: bool,
+) -> Complex[np.ndarray, "n_omega n_channels"]:
+    """Transform channels of which attitudes keep their last level after the record.
+
+    Parameters
+    ----------
+    samples
+        One column per channel, trim value removed. [channel unit]
+    rate_hz
+        Samples per second. [Hz]
+    omega
+        Angular frequencies. [rad/s]
+    start_s
+        Time of the first sample. [s]
+    is_attitude
+        The channels that need not return to trim.
+    integrated
+        Whether the record starts and ends in motion: channels are integrated from the first
+        sample to the last, and attitudes have their first level before it.
+
+    Returns
+    -------
+    array
+        Integral of x exp(-j omega t). [channel unit * s]
+
+    Notes
+    -----
+    An attitude integrates its rate; a truncated record would contain a step back to trim. The
+    level l after the last time t contributes l exp(-j omega t) / (j omega) to an integral, and
+    l exp(-j omega t) dt / (1 - exp(-j omega dt)) to a sum.
+    """
+    n_level = max(1, round(_LEVEL_S * rate_hz))
+    if integrated and is_attitude.any():
+        samples = samples - np.where(is_attitude, samples[:n_level].mean(axis=0), 0.0)
+    transform = finite_fourier_transform(samples, rate_hz, omega, start_s, end_corrected=integrated)
+    if is_attitude.any():
+        if integrated:
+            last_s = start_s + (samples.shape[0] - 1) / rate_hz
+            step = np.exp(-1j * omega * last_s) / (1j * omega)
+        else:
+            next_s = start_s + samples.shape[0] / rate_hz
+            step = np.exp(-1j * omega * next_s) / rate_hz / (1.0 - np.exp(-1j * omega / rate_hz))
+        transform[:, is_attitude] += step[:, None] * samples[-n_level:, is_attitude].mean(axis=0)
+    return transform

@@ -28,23 +28,15 @@ from flexsid.sysid.model.laws import (
 from flexsid.sysid.model.sensor_models import Instrument
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
+from flexsid.sysid.stability.margins import (
+    Margins,
+    compute_broken_loops,
+    compute_margins,
+    estimate_margin_errors,
+)
 from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
 
-# --- Loop closed by a controller: poles, and stability margins of each surface's loop -------------
-
-
-@dataclass(frozen=True, slots=True)
-class Margins:
-    """Margins of one loop, broken at its surface while the others stay closed.
-
-    ``gain_up`` is the largest stable factor, ``phase`` is in rad; infinite where nothing is
-    crossed. ``disk`` is the balanced disk margin: gain may change by (2 + disk)/(2 - disk)
-    and phase by 2 atan(disk/2) at once.
-    """
-
-    gain_up: float
-    phase: float
-    disk: float
+# --- Loop closed by a controller ------------------------------------------------------------------
 
 
 def close_loop(plant: StateSpace, controller: StateSpace) -> StateSpace:
@@ -94,63 +86,10 @@ def frequency_response(
     return system.C @ forced + system.D
 
 
-def compute_broken_loops(
-    L: Complex[np.ndarray, "n_omega n_driven n_driven"],
-) -> Complex[np.ndarray, "n_omega n_driven"]:
-    """Compute the loop gain at every surface, broken there, the others closed. [1]
-
-    Notes
-    -----
-    With u = L u + d the loop broken at surface i, the others closed, is
-    L_i = 1 / [(I - L)^-1]_ii - 1; it encircles -1 where the closed loop is unstable.
-    """
-    closed = np.linalg.inv(np.eye(L.shape[1]) - L)
-    return 1.0 / np.einsum("kii->ki", closed) - 1.0
-
-
-def compute_margins(L: Complex[np.ndarray, " n_omega"]) -> Margins:
-    """Compute the margins of a loop gain at closely spaced frequencies."""
-    gains = 1.0 / _find_axis_crossings(L)
-    return Margins(
-        float(gains[gains > 1.0].min(initial=np.inf)),
-        float(compute_phase_margins(L[:, None])[0]),
-        float(compute_disk_margins(L[:, None])[0]),
-    )
-
-
-def compute_phase_margins(
-    L: Complex[np.ndarray, "n_omega n_loops"],
-) -> Float[np.ndarray, " n_loops"]:
-    """Least distance in phase from -1 where a loop gain is one; infinite where none is. [rad]"""
-    size = np.log(np.maximum(np.abs(L), 1e-300))
-    at, loop = np.nonzero(size[:-1] * size[1:] < 0.0)
-    share = size[at, loop] / (size[at, loop] - size[at + 1, loop])
-    crossing = L[at, loop] + share * (L[at + 1, loop] - L[at, loop])
-    least = np.full(L.shape[1], np.inf)
-    np.minimum.at(least, loop, np.abs(np.angle(-crossing)))
-    return least
-
-
-def compute_disk_margins(
-    L: Complex[np.ndarray, "n_omega n_loops"],
-) -> Float[np.ndarray, " n_loops"]:
-    """Symmetric disk margins, 2 over the largest |S - T|. [1]"""
-    return 2.0 / np.abs(2.0 / (1.0 + L) - 1.0).max(axis=0)
-
-
-def _find_axis_crossings(L: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_crossings"]:
-    """Sizes where the loop crosses the negative real axis."""
-    imag, real = np.imag(L), np.real(L)
-    at = np.flatnonzero((imag[:-1] * imag[1:] < 0.0) & (np.minimum(real[:-1], real[1:]) < 0.0))
-    share = imag[at] / (imag[at] - imag[at + 1])
-    size = -(real[at] + share * (real[at + 1] - real[at]))
-    return size[size > 0.0]
-
-
 # --- Measured loops: gain and margins of each surface's loop from one closed-loop maneuver --------
 
 _MONTE_CARLO_SAMPLES = 200  # standard errors of margins scatter by 5 %
-_FINE = 1500  # frequencies between which margins are interpolated
+_FINE = 500  # frequencies between which margins are interpolated
 _LEAST_HARMONICS = 8  # of an input, for a cubic interpolation of its loop gain
 
 
@@ -220,18 +159,17 @@ def estimate_loop_gains(
         scatter = rng.normal(size=(_MONTE_CARLO_SAMPLES, own.size)) + 1j * rng.normal(
             size=(_MONTE_CARLO_SAMPLES, own.size)
         )
-        drawn = matrix @ (gain + std * scatter / np.sqrt(2.0)).T
-        phases = compute_phase_margins(drawn)
-        finite = phases[np.isfinite(phases)]
+        drawn = (gain + std * scatter / np.sqrt(2.0)) @ matrix.T
+        errors = estimate_margin_errors(drawn[:, :, None])[:, 0]
         loops.append(
             MeasuredLoop(
                 surface=name,
                 omega=omega,
                 gain=gain,
                 std=std,
-                margins=compute_margins(matrix @ gain),
-                phase_std=float(finite.std()) if finite.size else float("nan"),
-                disk_std=float(compute_disk_margins(drawn).std()),
+                margins=compute_margins(fine, matrix @ gain),
+                phase_std=float(errors.filled(np.nan)[1]),
+                disk_std=float(errors[2]),
             )
         )
     return tuple(loops)
@@ -318,11 +256,12 @@ def evaluate_loop_point(
     growths = np.array([compute_largest_growth(model, one, loop) for one in samples])
     omega = np.geomspace(band[0], band[1], _FINE_SWEEP)
     lead = _law_response(loop, omega)
-    margins = _compute_margins(model, table, loop, omega, lead)
-    drawn = [_tabulate_margins(_compute_margins(model, one, loop, omega, lead)) for one in samples]
+    broken = _break_loops(model, table, loop, omega, lead)
+    margins = tuple(compute_margins(omega, L) for L in broken.T)
     std = np.zeros((3, len(margins)))
-    if drawn:
-        std = np.ma.filled(np.ma.masked_invalid(drawn).std(axis=0), 0.0)
+    if samples:
+        drawn = np.stack([_break_loops(model, one, loop, omega, lead) for one in samples])
+        std = estimate_margin_errors(drawn).filled(0.0)
     return LoopPoint(
         airspeed=model.condition.airspeed,
         roots=roots,
@@ -390,19 +329,55 @@ def _law_response(
     return lead[:, :, None] * frequency_response(loop.law, omega)
 
 
-def _compute_margins(
+def _break_loops(
     model: AeroelasticModel,
     table: DerivativeTable,
     loop: Loop,
     omega: Float[np.ndarray, " n_omega"],
     lead: Complex[np.ndarray, "n_omega n_driven n_read"],
-) -> tuple[Margins, ...]:
+) -> Complex[np.ndarray, "n_omega n_driven"]:
     read = [model.outputs.index(name) for name in loop.law.inputs]
     driven = [model.inputs.index(name) for name in loop.law.outputs]
     G = model.response(table, omega)[:, read][:, :, driven]
-    return tuple(map(compute_margins, compute_broken_loops(lead @ G).T))
+    return compute_broken_loops(lead @ G)
 
 
 def _tabulate_margins(margins: Sequence[Margins]) -> Float[np.ndarray, "3 n_driven"]:
     """Logarithm of the gain, phase and disk margin of every loop; infinite where unlimited."""
     return np.array([[np.log(one.gain_up), one.phase, one.disk] for one in margins]).T
+
+
+# --- Margins of a digital control law -------------------------------------------------------------
+
+_HOLD = 1.5  # samples: one of computation, half of one of the hold between samples
+_LOWEST = 0.05  # rad/s: below any loop on a surface
+_DIGITAL_FINE = 3000  # spacing 0.4 %: less than the half-power width of a mode of 0.5 % damping
+
+
+def compute_digital_margins(plant: StateSpace, loop: Loop, rate_hz: float) -> tuple[Margins, ...]:
+    """Compute the margins of a digital loop at every surface that its law drives.
+
+    Parameters
+    ----------
+    plant
+        Aircraft with its sensors.
+    loop
+        Control law, the actuators of its outputs, and its delay.
+    rate_hz
+        Of the control law: its computation delays by one sample and a half. [Hz]
+
+    Raises
+    ------
+    BadInput
+        If the law reads outputs or drives inputs that the plant does not have.
+
+    Notes
+    -----
+    Actuators are linear: margins hold where no limit is active.
+    """
+    read, driven = find_loop_channels(plant, loop.law)
+    omega = np.geomspace(_LOWEST, np.pi * rate_hz, _DIGITAL_FINE)
+    digital = replace(loop, delay_s=loop.delay_s + _HOLD / rate_hz)
+    G = frequency_response(plant, omega)[:, read][:, :, driven]
+    broken = compute_broken_loops(_law_response(digital, omega) @ G)
+    return tuple(compute_margins(omega, L) for L in broken.T)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -418,3 +419,28 @@ def compute_separation_factor(model: AeroelasticModel, table: DerivativeTable) -
     if not rigid.any() or rigid.all():
         return None
     return float(size[~rigid].min() / size[rigid].max())
+
+
+# --- Poles that a fit moved into the band ---------------------------------------------------------
+
+_MOVED = 0.6  # of the frequency in vacuo: lower than at any airspeed of the data
+
+
+def find_moved_poles(
+    poles: Sequence[NamedPole],
+    out_of_band: Sequence[tuple[str, float]],
+    max_omega: float,
+) -> tuple[NamedPole, ...]:
+    """Find poles of out-of-band modes that a fit moved into the band.
+
+    Parameters
+    ----------
+    poles
+        Poles of the identified model.
+    out_of_band
+        Name and frequency in vacuo of the modes above the highest frequency. [rad/s]
+    max_omega
+        Highest frequency of the fit. [rad/s]
+    """
+    limits = {name: min(max_omega, _MOVED * omega) for name, omega in out_of_band}
+    return tuple(p for p in poles if p.frequency < limits.get(p.name, 0.0))

@@ -39,6 +39,7 @@ from flexsid.sysid.estimation.flight_noise import (
     compute_command_responses,
     split_residuals,
 )
+from flexsid.sysid.estimation.maneuver_data import ManeuverData
 from flexsid.sysid.excitation.catalogue import is_throttle
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -52,7 +53,7 @@ from flexsid.workflow.excitation.excitation_designs import (
     check_amplitudes,
     check_evaluation,
 )
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
+from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.exports import build_identified_model

@@ -9,12 +9,14 @@ import numpy as np
 
 from flexsid.allowed import Allowed, Id, Name
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
     DEFAULT_LEVEL,
     ExcitationDesign,
     ExpectedError,
     LoopChecks,
+    LoopMargins,
     PreflightSimulation,
     SurfaceUse,
 )
@@ -39,7 +41,6 @@ from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.model.sensor_models import VANE, Instrument, SecondOrder
 from flexsid.sysid.simulation.airframe import SensorErrors, apply_instruments, apply_sensor_errors
-from flexsid.sysid.simulation.closed_loop import compute_loop_margins
 from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
 from flexsid.sysid.simulation.turbulence import (
     DiscreteGust,
@@ -50,7 +51,7 @@ from flexsid.sysid.simulation.turbulence import (
     generate_gust,
 )
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
-from flexsid.sysid.stability.closed_loop import frequency_response
+from flexsid.sysid.stability.closed_loop import Loop, compute_digital_margins, frequency_response
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     define_outputs,
@@ -341,7 +342,19 @@ def simulate_design(
             servo if own is None else replace(servo, delay_s=servo.delay_s + own.delay_s)
             for servo, own in zip(servos, limits, strict=True)
         ]
-        margins = compute_loop_margins(*(plant, [*delayed, Instrument()], law, delay_s, rate))
+        actuators = tuple(delayed[at.model.inputs.index(name)] for name in law.outputs)
+        loop = Loop(law=law, actuators=actuators, delay_s=delay_s)
+        margins = tuple(
+            LoopMargins(
+                surface=surface,
+                gain=finite_or_none(found.gain),
+                phase=finite_or_none(found.phase),
+                modulus=found.modulus,
+            )
+            for surface, found in zip(
+                law.outputs, compute_digital_margins(plant, loop, rate), strict=True
+            )
+        )
     checks = LoopChecks(
         surfaces=tuple(
             SurfaceUse(

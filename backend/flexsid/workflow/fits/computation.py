@@ -34,7 +34,9 @@ from flexsid.sysid.estimation.end_states import (
 )
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
+from flexsid.sysid.estimation.interpolation import compute_interpolation_bias
 from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.multistart import PERTURBED_STARTS, SAME_COST, Optimum
 from flexsid.sysid.estimation.weighted_fit import (
     compute_weighting_change,
     describe_common_noise,
@@ -43,7 +45,11 @@ from flexsid.sysid.estimation.weighted_fit import (
 )
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.stability.poles import NamedPole
-from flexsid.workflow.fits.equation_error_fit import collect_starting_points, fit_equation_error
+from flexsid.workflow.fits.equation_error_fit import (
+    collect_starting_points,
+    fit_equation_error,
+    list_sensor_warnings,
+)
 from flexsid.workflow.fits.estimation_task import (
     ComputedRetainedModes,
     EstimationTask,
@@ -58,13 +64,10 @@ from flexsid.workflow.fits.estimation_task import (
     select_moved_poles,
 )
 from flexsid.workflow.fits.likelihood_fit import (
-    PERTURBED_STARTS,
     PROGRESS_BEFORE_WEIGHTING,
-    SAME_COST,
     CorrectedFit,
-    compute_interpolation_bias,
     fit_without_feedback_noise,
-    maximize_from_starts,
+    maximize_task,
     refit,
     refit_with_interpolation_correction,
     refit_with_leakage_correction,
@@ -211,7 +214,8 @@ def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFi
     task, parameters, estimate = _include_shape_errors(task, parameters, estimate, report)
     first = replace(parameters, start=estimate.values)
     adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, first)
-    return EstimatorFit(task, parameters, estimate, start, fit.warnings, adequacy, symmetry)
+    warnings = list_sensor_warnings(task, fit)
+    return EstimatorFit(task, parameters, estimate, start, warnings, adequacy, symmetry)
 
 
 def _include_shape_errors(
@@ -275,13 +279,10 @@ def fit_likelihood(
 
 
 @dataclass(frozen=True, slots=True)
-class _LikelihoodOptimum:
+class _LikelihoodOptimum(Optimum):
     """Optimum of the likelihood of one noise covariance, and the data that it is of."""
 
     experiments: list[Experiment]
-    parameters: Parameters
-    start: str
-    estimate: Estimate
 
 
 def _find_optimum(
@@ -296,10 +297,8 @@ def _find_optimum(
         return fit
     experiments = build_experiments(task)
     candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
-    parameters, start, estimate = maximize_from_starts(
-        task, experiments, report, n_perturbed, candidates
-    )
-    return _LikelihoodOptimum(experiments, parameters, start, estimate)
+    best = maximize_task(task, experiments, report, n_perturbed, candidates)
+    return _LikelihoodOptimum(best.parameters, best.start, best.estimate, experiments)
 
 
 def _complete_fit(
@@ -416,7 +415,9 @@ def _list_method_warnings(
         return ()
     measured = task.maneuvers[0].measured
     return warn_of_interpolation(
-        compute_interpolation_bias(task, experiments, parameters, estimate.values),
+        compute_interpolation_bias(
+            task.maneuvers, build_experiments(task), experiments, parameters, estimate.values
+        ),
         compute_poles(task, parameters, estimate),
         measured.omega,
         measured.assigned_input,

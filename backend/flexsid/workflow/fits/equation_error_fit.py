@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import Method, Progress, ReportProgress
-from flexsid.sysid.estimation.agreement import fuse_estimates
-from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Parameters
-from flexsid.sysid.estimation.flight_noise import AssignedCommands
-from flexsid.sysid.estimation.leakage import add_errors, fit_free_motion
-from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
-from flexsid.sysid.estimation.starting_values import estimate_delays, regress_parts
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.estimation.joint_equation_error import (
+    EquationErrorFit,
+    RetainedPrior,
+    fit_free_maneuvers,
+    fit_whole_maneuvers,
+)
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
+from flexsid.sysid.estimation.starting_values import (
+    estimate_delays,
+    regress_parts,
+    regularise_start,
+)
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
@@ -26,23 +28,12 @@ from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     build_fit_settings,
     get_first_start,
-    regularise_start,
     select_free_parameters,
 )
-from flexsid.workflow.measurements.recording import MeasuredSpectra
 
 # --- Equation-error estimate of a task: reconstructed motion, and one regression per maneuver -----
 
 _MAX_SCALE_STD = 0.005  # standard deviation of the sensors' scale factors that raises a warning
-
-
-@dataclass(frozen=True, slots=True)
-class EquationErrorFit:
-    """Estimate by equation error; ``out_of_band`` are the modes reconstructed in any maneuver."""
-
-    estimate: Estimate
-    out_of_band: tuple[int, ...]
-    warnings: tuple[str, ...]
 
 
 def fit_equation_error(task: EstimationTask, parameters: Parameters) -> EquationErrorFit:
@@ -51,37 +42,18 @@ def fit_equation_error(task: EstimationTask, parameters: Parameters) -> Equation
     From records without an assumption about their ends the free motion from the states there is
     subtracted before, which output error estimates from these values; its errors are included.
     """
-    free = [data.measured.free_ends for data in task.maneuvers]
-    if not any(free):
-        return fit_whole_maneuvers(task, parameters)
-    experiments = [one for one in build_experiments(task, Method.OE) if one.free_ends]
+    if not any(data.measured.free_ends for data in task.maneuvers):
+        return fit_whole_maneuvers(task.maneuvers, parameters, _build_prior(task))
     started = replace(parameters, start=estimate_starting_values(task, parameters))
     settings = build_fit_settings(replace(task, shape_errors={}))
-    motion = fit_free_motion(experiments, started, settings)
+    return fit_free_maneuvers(task.maneuvers, started, _build_prior(task), settings)
 
-    def fit_without(
-        outputs: Iterable[np.ndarray], parameters: Parameters = started
-    ) -> EquationErrorFit:
-        each = iter(outputs)
-        data = tuple(
-            _subtract_outputs(one, next(each)) if is_free else one
-            for one, is_free in zip(task.maneuvers, free, strict=True)
-        )
-        return fit_whole_maneuvers(replace(task, corrected=data), parameters)
 
-    found = fit_without(motion.outputs)
-    estimate = found.estimate
-    if not motion.converged:
-        message = "The states at the ends of the record have not converged."
-        estimate = replace(estimate, outcome=Outcome.ITERATION_LIMIT, message=message)
-    near = replace(parameters, start=estimate.values)
-    changes = [
-        fit_without(map(np.add, motion.outputs, error), near).estimate.values - estimate.values
-        for error in zip(*motion.errors, strict=True)
-    ]
-    changes = np.array(changes).reshape(-1, estimate.values.size)
-    records = np.flatnonzero(free).tolist()
-    return replace(found, estimate=add_errors(estimate, changes, motion.noise, records))
+def _build_prior(task: EstimationTask) -> RetainedPrior | None:
+    if task.nuisance is None:
+        return None
+    by_name = task.nuisance.list_priors(task.nuisance_names, task.spread)
+    return RetainedPrior(by_name, len(task.structure.modes))
 
 
 def estimate_starting_values(task: EstimationTask, parameters: Parameters) -> np.ndarray:
@@ -89,102 +61,13 @@ def estimate_starting_values(task: EstimationTask, parameters: Parameters) -> np
     experiments = build_experiments(task, Method.OE)
     if task.nuisance is None and all(one.free_ends for one in experiments):
         return regress_parts(experiments, parameters)
-    return fit_whole_maneuvers(task, parameters).estimate.values
+    return fit_whole_maneuvers(task.maneuvers, parameters, _build_prior(task)).estimate.values
 
 
-def _subtract_outputs(data: ManeuverData, outputs: np.ndarray) -> ManeuverData:
-    """Subtract known motion from the spectra of a record; what remains ends at rest."""
-    spectra = data.measured
-    rest = replace(spectra.outputs, values=spectra.outputs.values - outputs)
-    measured = replace(spectra, outputs=rest, free_ends=False, record_ends_s=())
-    return replace(data, measured=measured)
-
-
-def fit_whole_maneuvers(task: EstimationTask, parameters: Parameters) -> EquationErrorFit:
-    """Estimate all maneuvers by equation error as if they began and ended at rest."""
-    labels = [data.label for data in task.maneuvers]
-    estimates, warnings = [], []
-    if task.nuisance is None:
-        out_of_band: dict[int, None] = {}
-        for data in task.maneuvers:
-            motion, added = reconstruct_with_out_of_band_modes(data)
-            out_of_band |= dict.fromkeys(added)
-            warnings += warn_of_sensor_noise(data, motion)
-            spectra = data.measured
-            estimates.append(
-                equation_error(
-                    data.model,
-                    motion,
-                    spectra.inputs,
-                    parameters,
-                    input_noise=spectra.input_noise,
-                    commands=assign_commands(spectra),
-                )
-            )
-        fused = fuse_estimates(estimates, labels)
-        return EquationErrorFit(fused, tuple(out_of_band), tuple(warnings))
-    # Every maneuver has its share of the prior, so that the fused estimate has all of it.
-    priors = {
-        name: (mean, std * np.sqrt(len(task.maneuvers)))
-        for name, (mean, std) in task.nuisance.list_priors(task.nuisance_names, task.spread).items()
-    }
-    for data in task.maneuvers:
-        spectra = data.measured
-        estimate, motion = marginal_equation_error(
-            data.model,
-            spectra.outputs,
-            spectra.instruments,
-            spectra.inputs,
-            parameters,
-            priors,
-            len(task.structure.modes),
-            spectra.output_noise,
-            spectra.input_noise,
-        )
-        warnings += warn_of_sensor_noise(data, motion)
-        estimates.append(estimate)
-    fused = replace(fuse_estimates(estimates, labels), nuisance=frozenset(task.nuisance_names))
-    return EquationErrorFit(fused, (), tuple(warnings))
-
-
-def assign_commands(spectra: MeasuredSpectra) -> AssignedCommands | None:
-    """Return the command of every harmonic; None where some are not recorded."""
-    excited = spectra.excited
-    if excited.commands is None or (excited.assigned_input < 0).any():
-        return None
-    own = np.take_along_axis(excited.commands.values, excited.assigned_input[:, None], axis=1)
-    return AssignedCommands(excited.assigned_input, own[:, 0])
-
-
-def reconstruct_with_out_of_band_modes(
-    data: ManeuverData,
-) -> tuple[ReconstructedMotion, tuple[int, ...]]:
-    """Reconstruct the model's modes with as many out-of-band modes as the sensors resolve.
-
-    An out-of-band mode reduces redundancy: where the noise of a sensor is then not
-    identifiable from the others, its noise would be attributed to motion.
-    """
-    own = len(data.model.modes.numbers)
-    spectra = data.measured
-    for count in range(len(data.extended_model.modes.numbers), own, -1):
-        model = data.extended_model.with_modes(count)
-        try:
-            motion = _reconstruct(model, spectra)
-        except NotIdentifiable:
-            continue
-        if not motion.assumed:
-            return motion.select_motions(model.n_rigid + own), model.modes.numbers[own:]
-    return _reconstruct(data.model, spectra), ()
-
-
-def _reconstruct(model: AeroelasticModel, spectra: MeasuredSpectra) -> ReconstructedMotion:
-    return reconstruct_motion(
-        model,
-        spectra.outputs,
-        spectra.instruments,
-        guess=spectra.output_noise,
-        inputs=spectra.inputs,
-    )
+def list_sensor_warnings(task: EstimationTask, fit: EquationErrorFit) -> tuple[str, ...]:
+    """List the warnings of assumed sensor noise and inconsistent scale factors."""
+    pairs = zip(task.maneuvers, fit.motions, strict=True)
+    return tuple(text for data, motion in pairs for text in warn_of_sensor_noise(data, motion))
 
 
 def warn_of_sensor_noise(data: ManeuverData, motion: ReconstructedMotion) -> list[str]:

@@ -1,21 +1,15 @@
-"""Task of an estimation: maneuvers, models, starts, priors and experiments, without a database.
-
-The data contain little more of such a mode than its quasi-static response. Equation error
-then gives values that are mostly noise, and a fit that starts there may move the mode into
-the band, where it fits noise common to all sensors: a higher likelihood, and a biased model.
-"""
+"""Task of an estimation: maneuvers, models, starts, priors and experiments, without a database."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy
-from jaxtyping import Float
 
 from flexsid import __version__
 from flexsid.records.decision import Structure
@@ -29,19 +23,23 @@ from flexsid.records.run import (
 from flexsid.sysid.estimation.end_states import number_ends
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
-from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import FitSettings
+from flexsid.sysid.estimation.maneuver_data import (
+    ManeuverData,
+    ManeuverModel,
+    build_frequency_response_error,
+    build_output_error,
+)
 from flexsid.sysid.estimation.nuisance import (
     PRIOR_SPREAD,
     NuisancePrior,
     estimate_shape_spread,
     estimate_spread,
 )
-from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
-from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
-from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
+from flexsid.sysid.stability.poles import NamedPole, compute_named_poles, find_moved_poles
+from flexsid.workflow.measurements.recording import ManeuverMeasurement
 from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
@@ -65,118 +63,31 @@ def read_versions() -> dict[str, str]:
     }
 
 
-# --- Out-of-band modes: regularised start values, and poles that a fit moved into the band --------
-
-_MOVED = 0.6  # of the frequency in vacuo: lower than at any airspeed of the data
-
-
-def regularise_start(
-    parameters: Parameters,
-    values: Float[np.ndarray, " n_theta"],
-    out_of_band: Sequence[int],
-    predicted: DerivativeTable | None,
-) -> DerivativeTable:
-    """Replace the derivatives of out-of-band modes by predicted or in-vacuo values.
-
-    Parameters
-    ----------
-    parameters
-        Derivatives only.
-    values
-        Their values from equation error.
-    out_of_band
-        Indices of the modes above the highest frequency.
-    predicted
-        Source of their derivatives; without it the modes have their frequency and damping
-        in vacuo.
-    """
-    n, first = len(parameters.base.modes), parameters.base.body.size
-    rows, columns = parameters.rows, parameters.columns
-    index = np.asarray(out_of_band, dtype=int)
-    own = np.isin(rows, first + index)
-    moved = np.isin(columns, np.r_[first + index, first + n + index])
-    elastic = (columns >= first) & (columns < first + 2 * n)
-    if predicted is None:
-        table = np.where(moved | (own & elastic), 0.0, values)
-    else:
-        table = np.where(own | moved, predicted.values[rows, columns], values)
-    return parameters.table(table)
-
-
-def find_moved_poles(
-    poles: Sequence[NamedPole],
-    out_of_band: Sequence[tuple[str, float]],
-    max_omega: float,
-) -> tuple[NamedPole, ...]:
-    """Find poles of out-of-band modes that a fit moved into the band.
-
-    Parameters
-    ----------
-    poles
-        Poles of the identified model.
-    out_of_band
-        Name and frequency in vacuo of the modes above the highest frequency. [rad/s]
-    max_omega
-        Highest frequency of the fit. [rad/s]
-    """
-    limits = {name: min(max_omega, _MOVED * omega) for name, omega in out_of_band}
-    return tuple(p for p in poles if p.frequency < limits.get(p.name, 0.0))
-
-
 # --- Task of an estimation: its maneuvers, models, starts and priors, without a database ----------
 
 
-@dataclass(frozen=True, slots=True)
-class ManeuverData:
-    """Data and model of one maneuver in a fit.
-
-    ``extended_model`` has the out-of-band modes that the sensors also measure;
-    equation error reconstructs them too, so that their static response does not
-    bias the motion of the modes it estimates. ``opposed`` is the other axis of a combined
-    maneuver, for tests of symmetry; ``pairs`` are its inputs with the same surfaces, by input.
-    ``wrong_models`` are the model with one assumed quantity larger by its standard deviation, by
-    cause.
-    """
-
-    label: str
-    model: AeroelasticModel
-    extended_model: AeroelasticModel
-    measured: MeasuredSpectra
-    opposed: ManeuverData | None = None
-    pairs: Mapping[str, str] = field(default_factory=dict[str, str])
-    wrong_models: Mapping[str, AeroelasticModel] = field(
-        default_factory=dict[str, AeroelasticModel]
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class ManeuverTask:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverTask(ManeuverModel):
     """A maneuver as it is sent to a worker, which computes the transforms.
 
-    ``sensors`` are those that kinematics compare, of a rigid aircraft.
+    ``opposed`` is the other axis of a combined maneuver, ``sensors`` are those that kinematics
+    compare, of a rigid aircraft.
     """
 
-    label: str
-    model: AeroelasticModel
-    extended_model: AeroelasticModel
     measurement: ManeuverMeasurement
     opposed: ManeuverTask | None = None
-    pairs: Mapping[str, str] = field(default_factory=dict[str, str])
-    wrong_models: Mapping[str, AeroelasticModel] = field(
-        default_factory=dict[str, AeroelasticModel]
-    )
     sensors: RecordedSensors | None = None
 
     def transform(self) -> ManeuverData:
         """Compute the spectra that are fitted."""
         return ManeuverData(
-            self.label,
-            self.model,
-            self.extended_model,
-            self.measurement.transform(),
-            None if self.opposed is None else self.opposed.transform(),
-            self.pairs,
-            self.wrong_models,
+            label=self.label,
+            model=self.model,
+            extended_model=self.extended_model,
+            pairs=self.pairs,
+            wrong_models=self.wrong_models,
+            measured=self.measurement.transform(),
+            opposed=None if self.opposed is None else self.opposed.transform(),
         )
 
 
@@ -360,35 +271,14 @@ def build_experiments(task: EstimationTask, method: Method | None = None) -> lis
     result = []
     for data in task.maneuvers:
         name = data.label if several else method.value
-        spectra = data.measured
         if method is Method.OE:
-            result.append(
-                output_error(
-                    data.model,
-                    spectra.inputs,
-                    spectra.outputs,
-                    spectra.instruments,
-                    name,
-                    spectra.record_ends_s,
-                    spectra.window_s,
-                    free_ends=spectra.free_ends,
-                )
-            )
-        else:
-            through = np.ones_like(spectra.instruments)
-            source = output_error(
-                data.model,
-                spectra.inputs,
-                spectra.true_outputs(),
-                through,
-                name,
-                window_s=spectra.window_s,
-            )
-            experiment = frequency_response_error(data.model, spectra.responses, name, source)
-            if several:
-                groups = tuple(f"{name} {group}" for group in experiment.group_names)
-                experiment = replace(experiment, group_names=groups)
-            result.append(experiment)
+            result.append(build_output_error(data, name))
+            continue
+        experiment = build_frequency_response_error(data, name)
+        if several:
+            groups = tuple(f"{name} {group}" for group in experiment.group_names)
+            experiment = replace(experiment, group_names=groups)
+        result.append(experiment)
     return number_ends(result)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,17 +16,16 @@ from flexsid.sysid.estimation.feedback_noise import (
     CorrectedInputs,
     remove_feedback_noise,
 )
-from flexsid.sysid.estimation.flight_noise import estimate_joint_noise, has_input_noise
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.interpolation import correct_interpolation, fit_without_interpolation
 from flexsid.sysid.estimation.leakage import correct_leakage, join_histories
 from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.maneuver_data import estimate_maneuver_noise
+from flexsid.sysid.estimation.multistart import PERTURBED_STARTS, Optimum, maximize_from_starts
 from flexsid.sysid.estimation.noise import NoiseSpectrum
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
-from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.fits.equation_error_fit import assign_commands, collect_starting_points
+from flexsid.workflow.fits.equation_error_fit import collect_starting_points
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    ManeuverData,
     build_experiments,
     build_fit_settings,
     compute_poles,
@@ -41,151 +40,36 @@ _PROGRESS_BEFORE_LEAKAGE = 0.95  # progress when the leakage correction and weig
 PROGRESS_BEFORE_WEIGHTING = 0.97
 """Progress when the fit weighted with the noise spectrum and the tests of the model remain."""
 
-_INTERPOLATION_ROUNDS = 4  # corrections of frequency responses in sequence
-_SMALL_BIAS = 0.1  # of a frequency response by interpolation, in standard deviations
-_PERTURBATION = 0.3  # of a start value, relative to it
-PERTURBED_STARTS = 3
-"""Perturbed starts at most, where no other start converged."""
 
-SAME_COST = 1e-3
-"""Optima whose costs differ by less are the same."""
-
-
-def compute_interpolation_bias(
-    task: EstimationTask,
-    experiments: list[Experiment],
-    parameters: Parameters,
-    theta: np.ndarray,
-) -> float:
-    """Compute the bias of frequency responses by interpolation that remains in the data.
-
-    Returns
-    -------
-    float
-        Largest of any output and input: rms over its harmonics, in standard deviations of the
-        response.
-    """
-    largest = 0.0
-    as_measured = build_experiments(task)
-    errors = _compute_interpolation_errors(task, as_measured, parameters, theta)
-    for data, one, raw, error in zip(task.maneuvers, experiments, as_measured, errors, strict=True):
-        left = one.measured - raw.measured + error
-        for number, measured in enumerate(data.measured.responses.values()):
-            if measured.std is not None and measured.omega.size:
-                relative = np.abs(left[one.group == number])
-                relative /= np.maximum(measured.std[..., 0], 1e-300)
-                largest = max(largest, float(np.sqrt(np.mean(relative**2, axis=0)).max()))
-    return largest
-
-
-def _compute_interpolation_errors(
-    task: EstimationTask,
-    experiments: list[Experiment],
-    parameters: Parameters,
-    theta: np.ndarray,
-) -> list[np.ndarray]:
-    """Compute the errors of frequency responses by interpolation between harmonics of one input.
-
-    Notes
-    -----
-    The modelled outputs of the recorded inputs pass through the estimation of responses as the
-    measured ones do; what is estimated is compared with the modelled responses.
-    """
-    errors = []
-    for data, experiment in zip(task.maneuvers, experiments, strict=True):
-        error = np.zeros_like(experiment.measured)
-        if experiment.source is not None:
-            spectra = data.measured
-            outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
-            found = spectra.estimate_responses(
-                FrequencyData(spectra.omega, outputs, spectra.outputs.names)
-            )
-            estimated = np.concatenate([one.values[..., 0] for one in found.values()])
-            error = estimated - FrequencyDomainModel(experiment, parameters).respond(theta).outputs
-        errors.append(error)
-    return errors
-
-
-def correct_interpolation(
-    task: EstimationTask,
-    experiments: list[Experiment],
-    parameters: Parameters,
-    theta: np.ndarray,
-) -> list[Experiment]:
-    """Subtract the errors by interpolation that a model has from measured frequency responses."""
-    errors = _compute_interpolation_errors(task, experiments, parameters, theta)
-    return [
-        replace(one, measured=one.measured - error)
-        for one, error in zip(experiments, errors, strict=True)
-    ]
-
-
-def maximize_from_starts(
+def maximize_task(
     task: EstimationTask,
     experiments: list[Experiment],
     report: ReportProgress,
     n_perturbed: int = PERTURBED_STARTS,
     candidates: Mapping[str, Parameters] | None = None,
-) -> tuple[Parameters, str, Estimate]:
-    """Maximise the likelihood from every start and return the best optimum.
+) -> Optimum:
+    """Maximise the likelihood of a task from every start and return the best optimum.
 
-    At most ``n_perturbed`` perturbed starts follow where no start converged. ``candidates`` are
-    the start parameters by name, by default those of the task.
+    ``candidates`` are the start parameters by name, by default those of the task.
     """
     if candidates is None:
         candidates = collect_starting_points(task, report)
-    settings = build_fit_settings(task)
-    limit = settings.max_iterations
+    starts, settings = candidates, build_fit_settings(task)
 
-    def attempt(
-        name: str, parameters: Parameters, share: float
-    ) -> tuple[Parameters, str, Estimate]:
-        def report_iteration(iteration: int, cost: float) -> None:
-            report(
-                Progress(
-                    iteration=iteration,
-                    cost=cost,
-                    fraction=share + (1.0 - share) * iteration / limit / len(candidates),
-                    message=f"Iteration {iteration} from {name}",
-                )
-            )
+    def report_iteration(name: str, number: int, iteration: int, cost: float) -> None:
+        share = number / len(starts) if number < len(starts) else _PROGRESS_BEFORE_REFITS
+        fraction = share + (1.0 - share) * iteration / settings.max_iterations / len(starts)
+        message = f"Iteration {iteration} from {name}"
+        report(Progress(iteration=iteration, cost=cost, fraction=fraction, message=message))
 
-        estimate = maximize(experiments, parameters, settings, report_iteration)
-        if estimate.outcome is Outcome.CANCELLED:
-            raise Cancelled(estimate.message)
-        nuisance = task.marginalised | frozenset(list_end_state_names(parameters))
-        return parameters, name, replace(estimate, nuisance=nuisance)
+    def count_moved_poles(end: Optimum) -> int:
+        return len(select_moved_poles(task, compute_poles(task, end.parameters, end.estimate)))
 
-    ends = [
-        attempt(name, parameters, number / len(candidates))
-        for number, (name, parameters) in enumerate(candidates.items())
-    ]
-    best = _select_best(task, ends)
-    for seed in range(n_perturbed):
-        if best[2].outcome in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION):
-            break
-        parameters, name, _ = best
-        factors = 1.0 + _PERTURBATION * np.random.default_rng(seed).uniform(
-            -1, 1, parameters.start.size
-        )
-        perturbed = replace(parameters, start=parameters.start * factors)
-        name = f"{name.split(', perturbed')[0]}, perturbed"
-        best = _select_best(task, [best, attempt(name, perturbed, _PROGRESS_BEFORE_REFITS)])
-    return best
-
-
-def _select_best(
-    task: EstimationTask, ends: list[tuple[Parameters, str, Estimate]]
-) -> tuple[Parameters, str, Estimate]:
-    """Select the optimum of largest likelihood among those with fewest poles moved into the band.
-
-    Of optima of equal likelihood, the first that converged.
-    """
-    moved = [len(select_moved_poles(task, compute_poles(task, end[0], end[2]))) for end in ends]
-    ends = [end for end, n in zip(ends, moved, strict=True) if n == min(moved)]
-    lowest = min(end[2].steps[-1].cost for end in ends)
-    same = [end for end in ends if end[2].steps[-1].cost < lowest + SAME_COST]
-    return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
+    best = maximize_from_starts(
+        experiments, starts, settings, count_moved_poles, report_iteration, n_perturbed
+    )
+    nuisance = task.marginalised | frozenset(list_end_state_names(best.parameters))
+    return replace(best, estimate=replace(best.estimate, nuisance=nuisance))
 
 
 def refit(
@@ -278,16 +162,14 @@ def refit_with_interpolation_correction(
     Cancelled
         If ``report`` cancels the run.
     """
-    corrected, found = experiments, estimate
-    for _ in range(_INTERPOLATION_ROUNDS):
-        if not found.outcome.is_optimum:
-            return experiments, estimate
-        bias = compute_interpolation_bias(task, corrected, parameters, found.values)
-        if not bias > _SMALL_BIAS:
-            break
-        corrected = correct_interpolation(task, experiments, parameters, found.values)
-        found = refit(task, corrected, parameters, found, report)
-    return corrected, found
+    return fit_without_interpolation(
+        task.maneuvers,
+        build_experiments(task),
+        experiments,
+        parameters,
+        estimate,
+        lambda corrected, found: refit(task, corrected, parameters, found, report),
+    )
 
 
 # --- Fit of output error or frequency-response error without the noise that feedback correlates
@@ -331,7 +213,7 @@ def fit_without_feedback_noise(
     fitted from the same optimum, with weights from the spectrum of their own residuals.
     """
     experiments = build_experiments(task, Method.OE)
-    noise = estimate_task_noise(task, experiments)
+    noise = estimate_maneuver_noise(task.maneuvers, experiments)
     if noise is None:
         return None
     if candidates is None:
@@ -365,46 +247,15 @@ def fit_without_feedback_noise(
     return replace(fit, start=start)
 
 
-def estimate_task_noise(
-    task: EstimationTask, experiments: Sequence[Experiment]
-) -> list[NoiseSpectrum] | None:
-    """Estimate the joint noise spectrum of outputs and inputs of each maneuver of a task.
-
-    Parameters
-    ----------
-    experiments
-        Output error of the maneuvers.
-
-    Returns
-    -------
-    list of NoiseSpectrum or None
-        None where commands are not recorded, or the inputs have too little noise for an effect.
-    """
-    commands = [assign_commands(data.measured) for data in task.maneuvers]
-    known = [own for own in commands if own is not None]
-    is_fine = any(data.measured.resolution_overlap > 1.0 for data in task.maneuvers)
-    if len(known) < len(commands) or is_fine:
-        return None
-    pairs = list(zip(experiments, known, strict=True))
-    if not any(has_input_noise(one.inputs, own) for one, own in pairs):
-        return None
-    joint = [
-        estimate_joint_noise(one.omega, np.concatenate([one.measured, one.inputs], axis=1), own)
-        for one, own in pairs
-    ]
-    noise = [own for own in joint if own is not None]
-    return noise if len(noise) == len(joint) else None
-
-
 def _fit_corrected(
     task: EstimationTask, found: CorrectedInputs, parameters: Parameters
 ) -> CorrectedFit:
     """Fit the corrected data with weights from their noise spectrum."""
     pairs = zip(task.maneuvers, found.experiments, strict=True)
-    task = replace(task, corrected=tuple(_correct(*each) for each in pairs))
+    task = replace(task, corrected=tuple(data.replace_spectra(one) for data, one in pairs))
     experiments = build_experiments(task)
     if task.method is Method.FRE:
-        experiments = correct_interpolation(task, experiments, parameters, found.theta)
+        experiments = correct_interpolation(task.maneuvers, experiments, parameters, found.theta)
     settings = build_fit_settings(task)
     at_optimum = replace(parameters, start=found.theta)
     base = maximize(experiments, at_optimum, replace(settings, max_iterations=0))
@@ -432,27 +283,3 @@ def _describe_correction(task: EstimationTask, found: CorrectedInputs) -> str:
         "inputs without the noise that feedback correlates with the outputs, up to "
         f"{found.share.max():.0%} of the rms of {name} (errors in variables)"
     )
-
-
-def _correct(data: ManeuverData, experiment: Experiment) -> ManeuverData:
-    """Replace the spectra of a maneuver by the corrected ones."""
-    spectra, model = data.measured, experiment.model
-    inputs = FrequencyData(spectra.omega, experiment.inputs, model.inputs)
-    outputs = FrequencyData(spectra.omega, experiment.measured, model.outputs)
-    excited = spectra.excited
-    measured = replace(
-        spectra,
-        inputs=_replace_values(spectra.inputs, inputs),
-        outputs=_replace_values(spectra.outputs, outputs),
-        excited=replace(excited, inputs=_replace_values(excited.inputs, inputs)),
-    )
-    return replace(data, measured=measured)
-
-
-def _replace_values(data: FrequencyData, new: FrequencyData) -> FrequencyData:
-    """Replace the values of the signals that are in both."""
-    values = data.values.copy()
-    for number, name in enumerate(data.names):
-        if name in new.names:
-            values[:, number] = new.values[:, new.names.index(name)]
-    return FrequencyData(data.omega, values, data.names)

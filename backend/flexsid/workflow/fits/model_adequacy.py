@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.errors import NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.run import (
     AdequacyState,
@@ -21,18 +20,16 @@ from flexsid.sysid.adequacy.model_tests import (
     SYMMETRY_HYPOTHESES,
     Hypothesis,
     ModelTest,
-    OpposedMotion,
     compute_model_tests,
+    reconstruct_opposed_motion,
+    select_causes,
 )
 from flexsid.sysid.adequacy.sensor_influence import SensorInfluence
-from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
 from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, build_experiments
+from flexsid.workflow.fits.estimation_task import EstimationTask, build_experiments
 
 _MOST_REASONS = 2
 _SIGN = 1.5  # loss of a sensor, relative: it is nearer to the opposite sign than to none
@@ -87,7 +84,7 @@ def assess_model_adequacy(
             task.list_priors(),
             extended_models=_list_extended_models(task),
             opposed_motions=[
-                _reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers
+                reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers
             ],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
             nuisance=estimate.nuisance,
@@ -162,21 +159,9 @@ def _name_causes(task: EstimationTask, start: Parameters) -> str:
     except np.linalg.LinAlgError:
         return ""
     is_shaped = task.settings.aerodynamics.is_shaped
-    causes = _select_causes(tests, len(task.model.outputs))
+    causes = select_causes(tests, len(task.model.outputs))
     meanings = [_state_meaning(test, None, is_shaped) for test in causes[:_MOST_REASONS]]
     return f" At its start values most is wrong with this: {' '.join(meanings)}" if meanings else ""
-
-
-def _select_causes(tests: Sequence[ModelTest], n_outputs: int) -> list[ModelTest]:
-    """Select the rejecting tests of held quantities that explain most of the residuals.
-
-    At least half of the residuals of one output, and half of what the first cause explains.
-    """
-    found = sorted((test for test in tests if test.rejects), key=lambda test: -test.explained)
-    if not found:
-        return []
-    least = max(0.5 / n_outputs, 0.5 * found[0].explained)
-    return [test for test in found if test.explained >= least]
 
 
 def _describe_untested(
@@ -198,7 +183,7 @@ def _summarize(
     """Summarize tests; the claim completes "None of 12 tests ..."."""
     found = tuple(_describe_test(test, results, is_shaped=is_shaped) for test in tests)
     # A cause explains residuals, however small their own p is.
-    causes = [found[tests.index(test)] for test in _select_causes(tests, n_outputs)]
+    causes = [found[tests.index(test)] for test in select_causes(tests, n_outputs)]
     rejecting = list(dict.fromkeys([*causes, *(test for test in found if test.rejects)]))
     if not rejecting:
         reason = f"None of {len(found)} tests {claim}."
@@ -215,22 +200,6 @@ def _summarize(
     if more > 0:
         reason += f" {more} further {'test rejects' if more == 1 else 'tests reject'} the model."
     return ModelAdequacy(state=AdequacyState.SUSPECT, reason=reason, tests=found)
-
-
-def _reconstruct_opposed_motion(data: ManeuverData) -> OpposedMotion | None:
-    """Reconstruct the motion of the other axis; only its inputs without enough sensors."""
-    other = data.opposed
-    if other is None:
-        return None
-    inputs = other.measured.inputs
-    try:
-        motion, _ = reconstruct_with_out_of_band_modes(other)
-    except NotIdentifiable:
-        variables = inputs
-    else:
-        regressors = build_regressors(other.model, motion, inputs)
-        variables = FrequencyData(inputs.omega, regressors, other.model.variables)
-    return OpposedMotion(variables, data.pairs)
 
 
 def _describe_influence(influence: SensorInfluence, results: Estimate) -> EstimateWithoutSensor:

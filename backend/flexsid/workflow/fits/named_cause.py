@@ -21,6 +21,11 @@ from flexsid.records.run import AdequacyState, AdequacyTest, ModelAdequacy
 from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
+from flexsid.sysid.preparation.recorder_range import (
+    compute_clipped_share,
+    find_rounding_step,
+    smooth_rounded,
+)
 from flexsid.sysid.preparation.resampling import BetweenSamples, find_new_samples
 from flexsid.sysid.preparation.spikes_and_dropouts import bridge_samples
 from flexsid.units import dimension, to_si
@@ -51,12 +56,6 @@ _LOST = (FindingKind.FROZEN, FindingKind.ROUNDED, FindingKind.CLIPPED)
 
 _SIGN = 0.3  # of a reversed sign, whose first step is from the wrong side
 _ORDER = (BetweenSamples.SMOOTH, BetweenSamples.LINEAR, BetweenSamples.HELD)  # of equal fits
-_COARSE = 0.02  # of the range of a channel: a step of its numbers that matters
-_MOST_LEVELS = 0.125  # of the samples: more different values are no steps
-_EQUAL_STEPS = 1e-3  # of a step
-_ABRUPT = 0.04  # of the range of a channel: its step to a limit; of an actuator it is smaller
-_SHORTEST_LIMIT = 3  # samples
-_SMOOTHINGS = 100  # of a rounded channel: over the about ten samples between its steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,7 +375,7 @@ def _search_inputs(
         if finding is not None:
             channel, _ = channels[name]
             step = finding.value / float(to_si(1.0, channel.unit))
-            smooth = _replace_samples(task, name, partial(_unround, step=step))
+            smooth = _replace_samples(task, name, partial(smooth_rounded, step=step))
             found = _refit(refit, smooth)
             trial = None if found is None else _Trial(finding, smooth, found)
             return SensorFault(finding=finding), trial
@@ -402,16 +401,6 @@ def _replace_samples(
         return replace(one, measurement=measurement)
 
     return replace(task, maneuver_tasks=tuple(replace_in(one) for one in task.maneuver_tasks))
-
-
-def _unround(values: np.ndarray, step: float) -> np.ndarray:
-    """Return the smoothest signal within half a step of rounded samples."""
-    found = values
-    for _ in range(_SMOOTHINGS):
-        padded = np.pad(found, 1, mode="edge")
-        mean = 0.25 * padded[:-2] + 0.5 * found + 0.25 * padded[2:]
-        found = np.clip(mean, values - 0.5 * step, values + 0.5 * step)
-    return found
 
 
 def _try_between(
@@ -542,16 +531,7 @@ def _matters(finding: SensorFinding) -> bool:
 
 def _describe_limits(channel: Channel, samples: np.ndarray) -> SensorFinding | None:
     """Describe a channel that stops abruptly at its largest or smallest value, and stays there."""
-    x = np.asarray(samples, dtype=float)
-    span = float(np.ptp(x))
-    at_limit = np.zeros(x.size, dtype=bool)
-    for limit in (x.min(), x.max()):
-        edges = np.flatnonzero(np.diff(np.r_[False, x == limit, False]))
-        for first, stop in edges.reshape(-1, 2):
-            is_inside = first > 0 and stop < x.size and stop - first >= _SHORTEST_LIMIT
-            if is_inside and min(abs(x[first - 1] - limit), abs(x[stop] - limit)) > _ABRUPT * span:
-                at_limit[first:stop] = True
-    share = float(at_limit.mean())
+    share = compute_clipped_share(np.asarray(samples, dtype=float))
     if not share > 0.0:
         return None
     return SensorFinding(
@@ -569,12 +549,8 @@ def _describe_limits(channel: Channel, samples: np.ndarray) -> SensorFinding | N
 
 def _describe_steps(channel: Channel, samples: np.ndarray) -> SensorFinding | None:
     """Describe the steps of a coarsely rounded channel."""
-    levels = np.unique(to_si(samples, channel.unit))
-    if not 2 < levels.size < _MOST_LEVELS * samples.size:
-        return None
-    step = float(np.diff(levels).min())
-    away = levels / step - np.rint(levels / step)
-    if step < _COARSE * np.ptp(levels) or np.ptp(away) > _EQUAL_STEPS:
+    step = find_rounding_step(to_si(np.asarray(samples, dtype=float), channel.unit))
+    if step is None:
         return None
     size = f"{np.rad2deg(step):.3g} deg" if dimension(channel.unit) == "angle" else f"{step:.3g}"
     return SensorFinding(

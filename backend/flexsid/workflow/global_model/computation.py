@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from itertools import product
 
 import numpy as np
-from scipy import special
 
 from flexsid.nomenclature import describe
 from flexsid.records.decision import LimitedQuantity
@@ -23,22 +21,19 @@ from flexsid.records.global_model import (
     RunLabel,
 )
 from flexsid.records.run import Progress, ReportProgress
-from flexsid.sysid.adequacy.several_tests import adjust_by_holm
+from flexsid.sysid.global_model.drift import estimate_drift
 from flexsid.sysid.global_model.fit import RunEstimates
 from flexsid.sysid.global_model.selection import (
     OutlyingRun,
     ScaleFactor,
     SelectedModel,
-    compute_variance_reductions,
+    find_next_condition,
     find_outlying_runs,
     select_global_model,
 )
 from flexsid.workflow.global_model.estimates import GlobalModelTask, interpolate_table
 
-_DRIFT_LEVEL = 0.05  # probability of a false drift in a campaign
 _SEARCH_SHARE = 0.5  # of the progress, for outlying runs
-_GRID = {1: 25, 2: 9, 3: 5}  # values of each variable: at most 125 conditions
-_FEWEST_VALUES = 3  # of each of more variables
 
 
 def compute_global_model(
@@ -104,7 +99,7 @@ def compute_global_model(
                     task.runs, task.estimates.conditions, included, strict=True
                 )
             ),
-            next_condition=_find_next_condition(selected),
+            next_condition=_describe_next_condition(selected),
             omitted=task.omitted,
         ),
         model=selected.model,
@@ -171,10 +166,7 @@ def _describe_derivatives(
     values, covariance = predict_derivatives(result, centre[None])
     std = np.sqrt(np.diag(covariance[0]) + result.modal_std**2)
     variables = [one.quantity for one in result.summary.variables]
-    slopes = [model.average_slopes(runs.conditions, k) for k in range(len(variables))]
-    ratios = np.array([np.abs(slope) / np.where(s > 0.0, s, np.inf) for slope, s in slopes])
-    p = special.erfc(ratios / np.sqrt(2.0))
-    adjusted = np.reshape(adjust_by_holm(p.ravel().tolist()), p.shape)
+    drift = estimate_drift(model, runs.conditions)
     counts = runs.is_estimated.sum(axis=0)
     return tuple(
         GlobalDerivative(
@@ -189,10 +181,10 @@ def _describe_derivatives(
             slopes=tuple(
                 AverageSlope(
                     quantity=quantity,
-                    slope=float(slopes[v][0][k]),
-                    std_error=float(slopes[v][1][k]),
-                    probability=float(adjusted[v, k]),
-                    is_drift=bool(adjusted[v, k] < _DRIFT_LEVEL),
+                    slope=float(drift.slopes[v, k]),
+                    std_error=float(drift.std_errors[v, k]),
+                    probability=float(drift.probability[v, k]),
+                    is_drift=bool(drift.is_significant[v, k]),
                 )
                 for v, quantity in enumerate(variables)
             ),
@@ -201,31 +193,11 @@ def _describe_derivatives(
     )
 
 
-def build_grid(lowest: np.ndarray, highest: np.ndarray) -> np.ndarray:
-    """Build a grid (n, n_v) of conditions between two corners of the envelope."""
-    count = _GRID.get(lowest.size, _FEWEST_VALUES)
-    axes = [
-        np.linspace(low, high, count if high > low else 1)
-        for low, high in zip(lowest, highest, strict=True)
-    ]
-    return np.array(list(product(*axes)))
-
-
-def _find_next_condition(selected: SelectedModel) -> NextCondition | None:
-    """Find the condition of the grid where one more run reduces the variance most."""
-    runs, basis = selected.runs, selected.model.basis
-    complete = np.flatnonzero(runs.is_estimated.all(axis=1))
-    if complete.size == 0:
+def _describe_next_condition(selected: SelectedModel) -> NextCondition | None:
+    found = find_next_condition(selected)
+    if found is None:
         return None
-    grid = build_grid(basis.lowest, basis.highest)
-    grid = grid[~basis.is_extrapolated(grid)]
-    if len(grid) == 0:
-        return None
-    sizes = np.diagonal(runs.covariances[complete], axis1=1, axis2=2) / selected.fit.scale**2
-    median = complete[np.argsort(sizes.sum(axis=1))[complete.size // 2]]
-    reductions = compute_variance_reductions(selected.model, runs.covariances[median], grid)
-    best = int(np.argmax(reductions))
-    return NextCondition(condition=tuple(grid[best].tolist()), reduction=float(reductions[best]))
+    return NextCondition(condition=tuple(found[0].tolist()), reduction=found[1])
 
 
 def _describe_outlier(found: OutlyingRun, run: RunLabel) -> Outlier:

@@ -20,7 +20,8 @@ from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, compute
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
-from flexsid.sysid.preparation.resampling import Response, resample
+from flexsid.sysid.preparation.resampling import Response, resample, respond_between
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     get_output_instrument,
@@ -29,9 +30,7 @@ from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_c
 from flexsid.workflow.measurements.recording import (
     SHORTEST_TRIM_S,
     Conditioning,
-    MeasuredSpectra,
     remove_trim,
-    respond_between,
 )
 from flexsid.workflow.measurements.sensor_responses import (
     SensorData,

@@ -4,23 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Correction, Maneuver, StepKind
-from flexsid.sysid.preparation.resampling import BetweenSamples, fill_between, resample
+from flexsid.sysid.preparation.resampling import (
+    BetweenSamples,
+    fill_between,
+    resample,
+    respond_between,
+)
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
-from flexsid.sysid.signals import FrequencyData, FrequencyResponse
+from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import (
     compute_harmonic_frequencies,
     finite_fourier_transform,
     integrate_between,
     integrate_steps,
+    transform_with_levels,
 )
-from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
+from flexsid.sysid.spectra.measured_spectra import (
+    ExcitationData,
+    MeasuredSpectra,
+    compute_resolution_overlap,
+)
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
@@ -269,15 +278,6 @@ class Recording:
         return one.correct(np.asarray(values, dtype=float), channel.rate_hz)
 
 
-def respond_between(theta: np.ndarray, between: BetweenSamples | None) -> np.ndarray:
-    """Return the transform of a held or linear signal over the sum of its samples."""
-    if between is BetweenSamples.HELD:
-        return np.sinc(theta / (2.0 * np.pi)) * np.exp(-0.5j * theta)
-    if between is BetweenSamples.LINEAR:
-        return np.sinc(theta / (2.0 * np.pi)) ** 2
-    return np.ones(theta.size)
-
-
 def _transform(
     samples: np.ndarray,
     rate_hz: float,
@@ -296,19 +296,10 @@ def _transform(
         if last <= samples.shape[0] + 1:
             first_s = start_s + first / rate_hz
             return finite_fourier_transform(samples[first:last], rate_hz, omega, first_s)
-    if excitation is None and is_attitude.any():
-        # An attitude has its first level before the record and its last level after it.
-        first = samples[: _count_level_samples(rate_hz)].mean(axis=0)
-        samples = samples - np.where(is_attitude, first, 0.0)
     # A multisine starts and ends at trim; other records start and end in motion.
-    integrated = excitation is None
-    transform = finite_fourier_transform(samples, rate_hz, omega, start_s, end_corrected=integrated)
-    if is_attitude.any():
-        held = _transform_held_level(
-            samples[:, is_attitude], rate_hz, omega, start_s, integrated=integrated
-        )
-        transform[:, is_attitude] += held
-    return transform
+    return transform_with_levels(
+        samples, rate_hz, omega, start_s, is_attitude, integrated=excitation is None
+    )
 
 
 def remove_trim(
@@ -322,123 +313,6 @@ def remove_trim(
     moved = samples - samples[:1]
     steady = moved[:trim] if trim >= SHORTEST_TRIM_S * rate_hz else moved
     return moved - steady.mean(axis=0)
-
-
-def _count_level_samples(rate_hz: float) -> int:
-    """Return the number of samples that define the level at either end."""
-    return max(1, round(0.5 * rate_hz))
-
-
-def _transform_held_level(
-    samples: np.ndarray, rate_hz: float, omega: np.ndarray, start_s: float, *, integrated: bool
-) -> np.ndarray:
-    """Compute the transform of the final attitude level after the end of the record.
-
-    Attitude integrates pitch rate and need not return to trim; a truncated record would
-    contain a step back to trim. The level continues an integral to the last sample, or the sum
-    of all samples.
-    """
-    level = samples[-_count_level_samples(rate_hz) :].mean(axis=0)
-    if integrated:
-        last_s = start_s + (samples.shape[0] - 1) / rate_hz
-        step = np.exp(-1j * omega * last_s) / (1j * omega)
-    else:
-        next_s = start_s + samples.shape[0] / rate_hz
-        step = np.exp(-1j * omega * next_s) / rate_hz / (1.0 - np.exp(-1j * omega / rate_hz))
-    return step[:, None] * level
-
-
-@dataclass(frozen=True, slots=True)
-class ExcitationData:
-    """Spectra of all excited inputs, inputs of the model or not.
-
-    ``assigned_input`` is the index of the input that each harmonic is assigned to, -1 for none.
-    """
-
-    inputs: FrequencyData
-    commands: FrequencyData | None
-    assigned_input: np.ndarray
-
-
-@dataclass(frozen=True)
-class MeasuredSpectra:
-    """Spectra at the frequencies of a maneuver.
-
-    ``inputs`` are true deflections; ``outputs`` are as recorded and contain the instrument
-    responses ``instruments`` (n_omega, n_y). ``assigned_input`` is the index of the input that
-    each harmonic is assigned to, -1 for none; ``excited`` has all excited inputs.
-    ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where the noise of
-    their sensors is known; ``output_noise`` (n_y) is the standard deviation of the outputs'
-    spectra, NaN where the noise of their sensors is not known. ``resolution_overlap`` is the
-    number of frequencies per resolution 1/T of the record, at least one. ``record_ends_s`` are
-    the times at which the record may begin or end in motion, ``window_s`` the limits of the
-    transformed interval. With ``free_ends`` nothing was assumed of the motion at its ends; else
-    attitudes keep their last level.
-    """
-
-    assigned_input: np.ndarray
-    inputs: FrequencyData
-    excited: ExcitationData
-    outputs: FrequencyData
-    instruments: np.ndarray
-    commands: FrequencyData | None
-    input_noise: np.ndarray | None
-    output_noise: np.ndarray
-    resolution_overlap: float
-    record_ends_s: tuple[float, ...] = ()
-    window_s: tuple[float, float] | None = None
-    free_ends: bool = False
-
-    @property
-    def omega(self) -> np.ndarray:
-        """Frequencies of the spectra. [rad/s]"""
-        return self.outputs.omega
-
-    def true_outputs(self) -> FrequencyData:
-        """Return the output spectra with the instrument responses removed."""
-        return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
-
-    @cached_property
-    def responses(self) -> dict[str, FrequencyResponse]:
-        """Bare-airframe responses of every input at its harmonics, estimated once.
-
-        Raises
-        ------
-        BadInput
-            If the assignment of harmonics to inputs is not known.
-        """
-        return self.estimate_responses(self.true_outputs())
-
-    def estimate_responses(self, outputs: FrequencyData) -> dict[str, FrequencyResponse]:
-        """Estimate bare-airframe responses of outputs, instruments removed, in place of its own.
-
-        Excited inputs that are no inputs of the model are included to remove their motion.
-
-        Raises
-        ------
-        BadInput
-            If the assignment of harmonics to inputs is not known.
-        """
-        excited = self.excited
-        names = excited.inputs.names
-        if (excited.assigned_input >= 0).any() and (excited.assigned_input < 0).any():
-            raise BadInput(
-                f"some harmonics are assigned to none of {', '.join(names)}: frequency responses "
-                "need the deflection of every excited input; import the other inputs, or exclude "
-                "their band",
-                code="inputs-excluded",
-            )
-        if (excited.assigned_input < 0).any():
-            raise BadInput(
-                "frequency responses need the harmonics assigned to each input; import "
-                "the maneuver with its [excitation], or use OE or EE",
-                code="no-excitation",
-            )
-        commands = excited.inputs if excited.commands is None else excited.commands
-        found = estimate_bare_airframe_responses(
-            excited.inputs, outputs, commands, excited.assigned_input
-        )
-        return {name: found[name] for name in self.inputs.names}
 
 
 @dataclass(frozen=True, slots=True)
@@ -519,7 +393,7 @@ class ManeuverMeasurement:
             commands=None if commands is None else commands.pick(inputs),
             input_noise=noise,
             output_noise=compute_spectral_noise(self.outputs, output_rates, duration_s),
-            resolution_overlap=_compute_resolution_overlap(omega, duration_s),
+            resolution_overlap=compute_resolution_overlap(omega, duration_s),
             record_ends_s=self._find_record_ends(),
             window_s=self._find_window() if window_s is None else window_s,
             free_ends=window_s is not None,
@@ -580,10 +454,3 @@ def list_command_names(inputs: Sequence[str]) -> tuple[str, ...]:
 def list_excitation_names(inputs: Iterable[str], recorded: Container[str]) -> list[str]:
     """Return the channel with the excitation of each input: its command, else the input."""
     return [n + COMMAND_SUFFIX if n + COMMAND_SUFFIX in recorded else n for n in inputs]
-
-
-def _compute_resolution_overlap(omega: np.ndarray, duration_s: float) -> float:
-    if omega.size < 2:
-        return 1.0
-    spacing_hz = float(np.median(np.diff(np.unique(omega)))) / (2.0 * np.pi)
-    return max(1.0, 1.0 / (spacing_hz * duration_s))

@@ -18,6 +18,7 @@ from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody, SensorRows
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs
 from flexsid.workflow.aircraft.axes import (
     find_body,
@@ -31,7 +32,6 @@ from flexsid.workflow.aircraft.axes import (
 from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_measurement
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import (
-    MeasuredSpectra,
     compute_spectral_noise,
     select_frequencies,
 )
@@ -78,14 +78,7 @@ class SensorData:
 
     def select(self, some: np.ndarray) -> SensorData:
         """Select some of the frequencies."""
-        spectra = self.measured
-        omega, names = spectra.omega[some], spectra.outputs.names
-        measured = replace(
-            spectra,
-            outputs=FrequencyData(omega, spectra.outputs.values[some], names),
-            instruments=spectra.instruments[some],
-        )
-        return replace(self, measured=measured)
+        return replace(self, measured=self.measured.select(some))
 
     def with_outputs(self, values: np.ndarray) -> SensorData:
         """Replace the spectra of the outputs, (n_omega, n_y)."""

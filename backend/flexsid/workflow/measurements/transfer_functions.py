@@ -16,6 +16,7 @@ from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.views import Response, TransferFunction, TransferFunctionResult
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.sysid.spectra.residual_spectrum import (
     count_frequencies,
     estimate_noise_in_motion,
@@ -33,7 +34,6 @@ from flexsid.workflow.measurements.maneuver_spectra import read_measurement, rea
 from flexsid.workflow.measurements.recording import (
     COMMAND_SUFFIX,
     ManeuverMeasurement,
-    MeasuredSpectra,
     select_frequencies,
 )
 from flexsid.workflow.measurements.sensor_responses import find_excited_band

@@ -414,7 +414,15 @@ def _prepare_maneuver(
         shapes = modes.table.at(fuel).select((*own, *retained))
         model = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
         wrong = build_wrong_models(shapes)
-        return ManeuverTask(maneuver.label, model, model, measurement, opposed, pairs, wrong)
+        return ManeuverTask(
+            label=maneuver.label,
+            model=model,
+            extended_model=model,
+            pairs=pairs,
+            wrong_models=wrong,
+            measurement=measurement,
+            opposed=opposed,
+        )
     out_of_band = select_out_of_band_modes(
         modes, fuel, own, measurement.max_omega, len(outputs), body
     )
@@ -425,7 +433,14 @@ def _prepare_maneuver(
     is_compared = with_opposed and not modes.names
     sensors = _read_sensors(store, maneuver) if is_compared else None
     return ManeuverTask(
-        maneuver.label, own_model, extended, measurement, opposed, pairs, wrong, sensors
+        label=maneuver.label,
+        model=own_model,
+        extended_model=extended,
+        pairs=pairs,
+        wrong_models=wrong,
+        measurement=measurement,
+        opposed=opposed,
+        sensors=sensors,
     )
 
 

@@ -12,9 +12,9 @@ from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.fisher_information import compute_determined_shares
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.sysid.spectra.residual_spectrum import estimate_scatter
 from flexsid.workflow.fits.estimation_task import EstimationTask
-from flexsid.workflow.measurements.recording import MeasuredSpectra
 from flexsid.workflow.runs.estimation import prepare
 
 LEAST_DETERMINED = 2.0 / 3.0

@@ -28,6 +28,7 @@ from flexsid.sysid.stability.flutter_prediction import predict_flutter
 from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.structure_determination.search import ValidationModel, cross_validate
+from flexsid.sysid.structure_determination.term_search import TermSearch
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
@@ -38,7 +39,8 @@ from flexsid.workflow.fits.likelihood_fit import build_experiments, build_fit_se
 from flexsid.workflow.structure_determination.term_search import (
     FittedModel,
     SearchTask,
-    TermSearch,
+    build_groups,
+    build_search,
     fit_all_terms,
     fit_terms,
     get_whole_estimate,
@@ -197,9 +199,9 @@ def compute_search(task: SearchTask, report: ReportProgress) -> SearchResult:
     """
     began = time.perf_counter()
     full = fit_all_terms(task, report, (0.0, _START_FROM))
-    search = TermSearch(task, full, _select_initial_terms(task, report))
-    selections = search.select_all(task.settings.algorithm)
-    groups = search.build_groups(selections, (_RESAMPLE_FROM, _FIT_FROM), report)
+    search = build_search(task, full, _select_initial_terms(task, report))
+    selections = search.select_all(task.settings.algorithm.value)
+    groups = build_groups(task, search, selections, (_RESAMPLE_FROM, _FIT_FROM), report)
     warnings = [*task.warnings, *(w for run in full.runs for w in run.warnings)]
     fitted: list[FittedModel] = []
     models = select_models(task, search, selections)
@@ -258,7 +260,7 @@ def _select_initial_terms(task: SearchTask, report: ReportProgress) -> tuple[str
         ),
     )
     full = fit_all_terms(by_regression, report, (_START_FROM, _RESAMPLE_FROM))
-    found = TermSearch(by_regression, full).select_all(task.settings.algorithm)
+    found = build_search(by_regression, full).select_all(task.settings.algorithm.value)
     return tuple(name for one in found.values() for name in one.selected)
 
 

@@ -23,6 +23,7 @@ from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.jobs import batches, queue
 from flexsid.storage.store import Store
 from flexsid.sysid.structure_determination.selection import Thresholds
+from flexsid.sysid.structure_determination.term_search import HELD_SIGMAS
 from flexsid.workflow.fits.estimation_task import EstimationTask, read_versions
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
@@ -31,7 +32,7 @@ from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import complete_request
 from flexsid.workflow.structure_determination.computation import compute_search
-from flexsid.workflow.structure_determination.term_search import HELD_SIGMAS, HoldingRun, SearchTask
+from flexsid.workflow.structure_determination.term_search import HoldingRun, SearchTask
 
 __all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_search"]
 

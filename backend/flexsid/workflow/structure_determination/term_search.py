@@ -19,22 +19,20 @@ from flexsid.records.search import (
     TermGroup,
 )
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.spectra.collinearity import find_near_dependencies
-from flexsid.sysid.structure_determination.evidence import (
-    Evidence,
-    compute_evidence,
-    estimate_subset,
-)
-from flexsid.sysid.structure_determination.search import search_equations
+from flexsid.sysid.spectra.collinearity import compute_variance_inflation, find_near_dependencies
+from flexsid.sysid.structure_determination.evidence import Evidence
 from flexsid.sysid.structure_determination.selection import (
     Selection,
-    SelectionState,
     SelectionStep,
     Term,
     Thresholds,
     compute_selection_frequency,
-    select_terms,
-    summarise_selection,
+)
+from flexsid.sysid.structure_determination.term_search import (
+    TermSearch,
+    collect_evidence,
+    find_held_terms,
+    group_by_coefficient,
 )
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.fits.estimation_task import (
@@ -192,106 +190,52 @@ def report_at(at: Progress, report: ReportProgress) -> ReportProgress:
 
 # --- Selection of terms by the marginal likelihood of the runs with all of them -------------------
 
-HELD_SIGMAS = 4.5
-"""Standard errors at which a run holds a term: it is never proposed for removal."""
 
-
-class TermSearch:
-    """Selection of terms by the evidence of the runs with all of them.
+def build_search(
+    task: SearchTask, full: FittedModel, start: Container[str] | None = None
+) -> TermSearch:
+    """Build the search of the terms of the runs with all of them.
 
     By equation error the terms of each coefficient are searched together, else those of the whole
     model, from all terms or from ``start``. Terms that a run holds are never dropped.
     """
+    names, estimates = full.selected, [one.estimate for one in full.runs]
+    overlaps = [one.maneuvers[0].measured.resolution_overlap for one in task.maneuvers]
+    by_equation = task.method is Method.EE
+    groups = group_by_coefficient(names) if by_equation else {task.method.value: names}
+    return TermSearch(
+        evidences={
+            name: collect_evidence(estimates, terms, overlaps, name if by_equation else None)
+            for name, terms in groups.items()
+        },
+        thresholds=task.thresholds,
+        by_equation=by_equation,
+        start=frozenset(n for n in names if start is None or n in start),
+        forced=find_held_terms(estimates, names).union(set(task.held) & set(names)),
+    )
 
-    def __init__(
-        self, task: SearchTask, full: FittedModel, start: Container[str] | None = None
-    ) -> None:
-        self.task = task
-        self.start = full.selected if start is None else start
-        self.forced = set(task.held) & set(full.selected)
-        for one in full.runs:
-            own = one.estimate.select(full.selected)
-            sigmas = np.abs(own.values / own.std_errors)
-            self.forced |= {full.selected[k] for k in np.flatnonzero(sigmas > HELD_SIGMAS)}
-        groups: dict[str, list[str]] = {}
-        for name in full.selected:
-            of_row = name.split("_", 1)[0]
-            group = of_row if task.method is Method.EE else task.method.value
-            groups.setdefault(group, []).append(name)
-        self.evidences = {
-            name: self._collect_evidence(full, name, terms) for name, terms in groups.items()
-        }
 
-    def _collect_evidence(
-        self, full: FittedModel, group: str, names: Sequence[str]
-    ) -> tuple[Evidence, ...]:
-        found = []
-        for task, run in zip(self.task.maneuvers, full.runs, strict=True):
-            blocks = [
-                one.measured.size
-                for one in run.estimate.lines
-                if self.task.method is not Method.EE or one.name == group
-            ]
-            n_data = 2.0 * sum(blocks) / task.maneuvers[0].measured.resolution_overlap
-            found.append(compute_evidence(run.estimate, names, n_data))
-        return tuple(found)
+def build_groups(
+    task: SearchTask,
+    search: TermSearch,
+    found: Mapping[str, Selection],
+    share: tuple[float, float],
+    report: ReportProgress,
+) -> tuple[TermGroup, ...]:
+    """Build the terms of every group with their selection frequency."""
+    settings, groups = task.settings, []
+    modal_std = task.maneuvers[0].modal_std
+    for number, (name, selection) in enumerate(found.items()):
+        fraction = interpolate_progress(share, number, len(found))
+        report(Progress(fraction=fraction, message=f"Resampling frequencies for {name}"))
+        own = search.evidences[name]
 
-    def select(
-        self,
-        group: str,
-        evidences: Sequence[Evidence],
-        algorithm: Algorithm,
-        forced: Container[str] = (),
-    ) -> Selection:
-        """Select the terms of a group by the evidence of every maneuver."""
-        thresholds = self.task.thresholds
-        if self.task.method is Method.EE:
-            every = [{group: one} for one in evidences]
-            found = search_equations(every, algorithm.value, thresholds, forced)
-            return found.coefficients[group]
-        names = evidences[0].names
-        stays = np.array([name in forced for name in names])
-        begin = SelectionState(np.array([name in self.start for name in names]))
-        end = select_terms(evidences, begin, thresholds, forced=stays)
-        return summarise_selection(evidences, end, thresholds)
+        def select_again(drawn: Sequence[Evidence], name: str = name) -> Selection:
+            return search.select(name, drawn, settings.algorithm.value)
 
-    def select_all(self, algorithm: Algorithm) -> dict[str, Selection]:
-        """Select the terms of every group."""
-        return {
-            name: self.select(name, evidences, algorithm, self.forced)
-            for name, evidences in self.evidences.items()
-        }
-
-    def build_groups(
-        self,
-        found: Mapping[str, Selection],
-        share: tuple[float, float],
-        report: ReportProgress,
-    ) -> tuple[TermGroup, ...]:
-        """Build the terms of every group with their selection frequency."""
-        settings, groups = self.task.settings, []
-        modal_std = self.task.maneuvers[0].modal_std
-        for number, (name, selection) in enumerate(found.items()):
-            fraction = interpolate_progress(share, number, len(found))
-            report(Progress(fraction=fraction, message=f"Resampling frequencies for {name}"))
-            own = self.evidences[name]
-
-            def select_again(drawn: Sequence[Evidence], name: str = name) -> Selection:
-                return self.select(name, drawn, settings.algorithm)
-
-            stability = compute_selection_frequency(own, select_again, settings.resamplings)
-            groups.append(_build_term_group(name, selection, own, stability, modal_std))
-        return tuple(groups)
-
-    def predict_ratio(self, selected: Container[str]) -> float:
-        """Predict twice the rise of the cost of some terms over that of all of them."""
-        ratio = 0.0
-        for evidences in self.evidences.values():
-            for one in evidences:
-                inside = np.array([name in selected for name in one.names])
-                ratio += estimate_subset(one, inside).rest
-                ratio -= estimate_subset(one, np.ones_like(inside)).rest
-        return ratio
+        stability = compute_selection_frequency(own, select_again, settings.resamplings)
+        groups.append(_build_term_group(name, selection, own, stability, modal_std))
+    return tuple(groups)
 
 
 def select_models(
@@ -302,7 +246,7 @@ def select_models(
     selections = {own: found}
     if task.method is Method.EE:
         other = next(one for one in Algorithm if one is not own)
-        selections[other] = search.select_all(other)
+        selections[other] = search.select_all(other.value)
     models: dict[tuple[str, ...], tuple[str, str]] = {}
     for algorithm, selection in selections.items():
         terms = tuple(name for one in selection.values() for name in one.selected)
@@ -339,9 +283,7 @@ def _build_term_group(
     with the frequencies of the table, the data need the term.
     """
     total = np.sum([one.information for one in evidences], axis=0)
-    size = np.sqrt(np.maximum(np.diag(total), np.finfo(float).tiny))
-    unit = total / np.outer(size, size)
-    inflation = np.diag(np.linalg.pinv(unit, rcond=1e-12, hermitian=True))
+    inflation = compute_variance_inflation(total)
     inside = np.array([term.selected for term in selection.terms])
     names = [term.name for term in selection.terms]
     selected = [term.name for term in selection.terms if term.selected]

@@ -34,6 +34,7 @@ from flexsid.sysid.adequacy.validation import (
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.feedback_noise import compute_costs
+from flexsid.sysid.estimation.maneuver_data import estimate_maneuver_noise
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
@@ -41,9 +42,8 @@ from flexsid.workflow.fits.computation import fit_likelihood
 from flexsid.workflow.fits.equation_error_fit import collect_starting_points
 from flexsid.workflow.fits.estimation_task import EstimationTask, build_experiments
 from flexsid.workflow.fits.likelihood_fit import (
-    estimate_task_noise,
     fit_without_feedback_noise,
-    maximize_from_starts,
+    maximize_task,
     refit_with_leakage_correction,
 )
 from flexsid.workflow.model_structures.model_structures import get_result
@@ -232,10 +232,11 @@ def _maximize(
         return corrected.parameters, corrected.estimate.values
     experiments = build_experiments(task)
     # A model that does not fit the data often converges from no start: perturbed ones add little.
-    parameters, _, estimate = maximize_from_starts(
-        task, experiments, report, n_perturbed=0, candidates=candidates
+    best = maximize_task(task, experiments, report, n_perturbed=0, candidates=candidates)
+    parameters = best.parameters
+    _, estimate = refit_with_leakage_correction(
+        task, experiments, parameters, best.estimate, report
     )
-    _, estimate = refit_with_leakage_correction(task, experiments, parameters, estimate, report)
     return parameters, estimate.values
 
 
@@ -251,7 +252,7 @@ def _compute_held_out(
     residuals of output error near a sharp resonance are mostly response to noise of the inputs.
     """
     experiments = build_experiments(task)
-    noise = estimate_task_noise(task, experiments)
+    noise = estimate_maneuver_noise(task.maneuvers, experiments)
     if noise is not None:
         return [
             -compute_costs(one, own, parameters, values)[mask]

@@ -35,10 +35,10 @@ from flexsid.records.views import (
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import compute_correlation
 from flexsid.sysid.estimation.equation_error import build_regressors
+from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.spectra.collinearity import assess_collinearity
 from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
-from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import find_assigned_inputs, select_frequencies
 from flexsid.workflow.model_structures.model_structures import get_result

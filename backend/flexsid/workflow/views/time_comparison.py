@@ -22,7 +22,7 @@ from flexsid.records.views import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.reduction import time_response
-from flexsid.sysid.preparation.resampling import find_pairs
+from flexsid.sysid.preparation.resampling import find_pairs, respond_between
 from flexsid.sysid.simulation.airframe import apply_instruments
 from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -37,7 +37,6 @@ from flexsid.workflow.measurements.recording import (
     COMMAND_SUFFIX,
     Conditioning,
     remove_trim,
-    respond_between,
 )
 from flexsid.workflow.runs.exports import IdentifiedModel, load_identified_model
 from flexsid.workflow.views.maneuver import POINTS, list_input_names, read_traces

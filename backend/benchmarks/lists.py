@@ -1,4 +1,4 @@
-"""Response time of lists in a large database: ``python tests/benchmarks/lists.py``.
+"""Response time of lists in a large database: ``python backend/benchmarks/lists.py``.
 
 A campaign of 100,000 maneuvers and 1,000,000 runs on PostgreSQL is laid out of copies of three
 flown maneuvers and their nine runs. Pages of lists are read over the interface, one after the
@@ -34,7 +34,7 @@ from flexsid.storage import tables
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "servers"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "servers"))
 
 _PER_FLIGHT = 40
 _REPETITIONS = 20

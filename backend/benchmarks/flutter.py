@@ -1,4 +1,4 @@
-"""Accuracy and speed of flutter prediction: ``python tests/benchmarks/flutter.py``.
+"""Accuracy and speed of flutter prediction: ``python backend/benchmarks/flutter.py``.
 
 Campaigns on FLEX-28 (eight-mode truth) are simulated line by line with the campaign's
 sensor noise; the predictions that stand in for modes nobody identified are wrong by 15 %.

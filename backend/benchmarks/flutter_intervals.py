@@ -1,4 +1,4 @@
-"""Intervals of the flutter speed: ``python tests/benchmarks/flutter_intervals.py``.
+"""Intervals of the flutter speed: ``python backend/benchmarks/flutter_intervals.py``.
 
 Campaigns of two maneuvers on FLEX-28 (eight-mode truth), simulated in time and in closed loop, in
 still air and in turbulence. Derivatives of the prediction are wrong by 30 or 50 %, frequencies of

@@ -1,4 +1,4 @@
-"""What analysts wait beside clients that send slowly: ``python tests/benchmarks/connections.py``.
+"""What analysts wait beside clients that send slowly: ``python backend/benchmarks/connections.py``.
 
 Beside 2,000 half-sent requests, 50 slow uploads and 1,000 event streams, all renewed when the
 server closes them, reviewers vote and log in through the port of the started command. Prints one
@@ -24,7 +24,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 for _folder in ("servers", "aircraft"):
-    sys.path.insert(0, str(Path(__file__).parents[1] / _folder))
+    sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / _folder))
 
 from rigid_record import simulate_doublet, write_record
 from shipped import PASSWORD, Client, Server, ask_command, invite, serving, set_password

@@ -1,4 +1,4 @@
-"""What databases survive: ``python tests/benchmarks/durability.py [trials]``.
+"""What databases survive: ``python backend/benchmarks/durability.py [trials]``.
 
 Campaigns of 200 trials each on copies of a database of the demonstration aircraft in SQLite.
 Comments of a decision, samples and model structures are written; a write is acknowledged when it

@@ -1,6 +1,6 @@
 """How fast the estimators are, as ratios measured in one run.
 
-    python tests/benchmarks/estimation.py
+    python backend/benchmarks/estimation.py
 
 prints one JSON line per figure. One BLAS thread, one process.
 """

@@ -1,4 +1,4 @@
-"""How fast a campaign comes in and is read: ``python tests/benchmarks/campaign.py [--full]``.
+"""How fast a campaign comes in and is read: ``python backend/benchmarks/campaign.py [--full]``.
 
 A campaign of 1000 maneuvers x 90 channels (a tenth of it by default) is imported from
 recorder files, through everything an import does: the reading process, the mapping, the

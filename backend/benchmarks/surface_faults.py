@@ -1,4 +1,4 @@
-"""Faults of surfaces that checks find: ``python tests/benchmarks/surface_faults.py``.
+"""Faults of surfaces that checks find: ``python backend/benchmarks/surface_faults.py``.
 
 Maneuvers of FLEX-28, simulated in closed loop at .50 to .95 of the flutter speed, in still air to
 moderate turbulence, with a fault of one surface at random: stuck, reversed, an oscillation of

@@ -1,6 +1,6 @@
 """How low and how fast the peak factors of multisines get, against a simplex search.
 
-    python tests/benchmarks/excitation.py
+    python backend/benchmarks/excitation.py
 
 prints one JSON line per figure: all inputs of the 24 designs of Table 1, one
 process, one BLAS thread, CPU time. The baseline is scipy's Nelder-Mead from

@@ -1,4 +1,4 @@
-"""How a campaign grows: ``python tests/benchmarks/campaign_scale.py [--sizes N ...]``.
+"""How a campaign grows: ``python backend/benchmarks/campaign_scale.py [--sizes N ...]``.
 
 Copies of the demonstration maneuvers, whose samples are stored once, are estimated by EE, OE and
 FRE on a Dask cluster with one worker per core. At each size the whole campaign is queued, and the
@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=sizes, help="of the campaign")
     parser.add_argument("--seconds", type=float, default=window_s, help="of each size")
     arguments = parser.parse_args()
-    sys.path.append(str(Path(__file__).parents[1] / "servers"))
+    sys.path.append(str(Path(__file__).parents[2] / "tests" / "servers"))
     from dask_cluster import Cluster
 
     workers = os.cpu_count() or 1

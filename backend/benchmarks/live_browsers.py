@@ -1,4 +1,4 @@
-"""Latency of a live stream with many browsers: ``python tests/benchmarks/live_browsers.py [n]``.
+"""Latency of a live stream with many browsers: ``python backend/benchmarks/live_browsers.py [n]``.
 
 A simulated maneuver of FLEX-28 is pushed to a server in real time, frame by frame, while 20
 browsers (event streams with 12 channels) look on and estimates are computed. Prints one JSON line

@@ -1,4 +1,4 @@
-"""What restarts cost: ``python tests/benchmarks/restarts.py [--restarts 50] [--kill]``.
+"""What restarts cost: ``python backend/benchmarks/restarts.py [--restarts 50] [--kill]``.
 
 The started command is stopped as a service manager does (or killed) while it computes and
 acknowledges notes, again and again. Prints one JSON line: jobs that failed, notes that were lost or
@@ -17,7 +17,7 @@ from collections import Counter
 from pathlib import Path
 
 for _folder in ("servers", "aircraft"):
-    sys.path.insert(0, str(Path(__file__).parents[1] / _folder))
+    sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / _folder))
 
 from rigid_record import simulate_doublet, write_record
 from shipped import Client, ask_command, serving

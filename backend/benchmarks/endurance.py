@@ -1,4 +1,4 @@
-"""Memory and descriptors of a server in long use: ``python tests/benchmarks/endurance.py``.
+"""Memory and descriptors of a server in long use: ``python backend/benchmarks/endurance.py``.
 
 A day of a team in fast motion: 2,000 runs of equation error in batches, and 5,000 page loads (the
 page and the requests that it makes) beside them. Resident memory and open files of the server and

@@ -1,4 +1,4 @@
-"""How good and how fast frequency responses are: ``python tests/benchmarks/frequency_response.py``.
+"""Quality and speed of frequency responses: ``python backend/benchmarks/frequency_response.py``.
 
 Flies FLEX-28 without noise and compares the bare-airframe responses of all outputs at
 all own harmonics with the equations it was flown by; then with noise, for the share of
@@ -22,7 +22,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "aircraft"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "aircraft"))
 from true_responses import (
     compute_open_loop_ratios,
     compute_relative_errors,

@@ -1,4 +1,4 @@
-"""Speed and memory of unsteady aerodynamics: ``python tests/benchmarks/aerodynamics.py``.
+"""Speed and memory of unsteady aerodynamics: ``python backend/benchmarks/aerodynamics.py``.
 
 ``aic_vs_panelaero`` needs ``pip install panelaero==2025.8``. Ratios are of one process, in which
 both sides take turns; each side is the fastest of its repetitions. Prints one JSON line per figure.

@@ -1,4 +1,4 @@
-"""What analysts wait while the server computes: ``python tests/benchmarks/load.py``.
+"""What analysts wait while the server computes: ``python backend/benchmarks/load.py``.
 
 Thirty analysts read lists, a batch of 120 runs computes, and a hundred event streams are open.
 ``thirty_analysts_p99_vs_idle`` is the 99th percentile of their responses over that of a single

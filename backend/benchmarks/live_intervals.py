@@ -1,4 +1,4 @@
-"""Intervals of live estimates: ``python tests/benchmarks/live_intervals.py [flights]``.
+"""Intervals of live estimates: ``python backend/benchmarks/live_intervals.py [flights]``.
 
 Maneuvers of FLEX-28 (eight-mode truth) are simulated in closed loop at .65 to 1.05 of the flutter
 speed, in still air and in light and moderate turbulence, and identified as they fly, with the

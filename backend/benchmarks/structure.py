@@ -1,6 +1,6 @@
 """How fast structures are searched, as ratios measured in one run.
 
-    python tests/benchmarks/structure.py
+    python backend/benchmarks/structure.py
 
 prints one JSON line per figure. One BLAS thread, one process.
 """

@@ -1,4 +1,4 @@
-"""Tables of modes as large as a real structure's: ``python tests/benchmarks/modal.py``.
+"""Tables of modes as large as a real structure's: ``python backend/benchmarks/modal.py``.
 
 Tables of 25 modes x 17 fuel weights x 8480 nodes and of 60 modes x 20,000 nodes (six components in
 single precision, as Nastran writes them, with the edges of elements) are imported (tracked,

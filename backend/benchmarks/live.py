@@ -1,4 +1,4 @@
-"""What live identification costs and how fast it is: ``python tests/benchmarks/live.py``.
+"""What live identification costs and how fast it is: ``python backend/benchmarks/live.py``.
 
 Prints one JSON line per figure. ``live_core_share``: transforms and checks of 100 channels at
 200 Hz and 325 harmonics, CPU time over time of the record, without estimates.

@@ -1,4 +1,4 @@
-"""Standard errors of transfer functions: ``python tests/benchmarks/transfer_functions.py``.
+"""Standard errors of transfer functions: ``python backend/benchmarks/transfer_functions.py``.
 
 Known equivalent systems of pitch rate, angle of attack and pitch angle, simulated with scipy, with
 every input of ``equivalent_systems``, 10 % noise of the output, and 0 and 10 % of the measured
@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "aircraft"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "aircraft"))
 
 from equivalent_systems import INPUTS, SYSTEMS, add_noise, fit, simulate
 

@@ -1,4 +1,4 @@
-"""Response and drawing time of pages in a large campaign: ``python tests/benchmarks/pages.py``.
+"""Response and drawing time of pages in a large campaign: ``python backend/benchmarks/pages.py``.
 
 A campaign of 1000 maneuvers and 10 000 runs is laid out of copies: a few maneuvers of FLEX-28
 are flown and estimated by all methods, so that every copy of a run weighs what a run weighs.

@@ -1,4 +1,4 @@
-"""How much of a default run is its maximisation: ``python tests/benchmarks/default_run.py``.
+"""How much of a default run is its maximisation: ``python backend/benchmarks/default_run.py``.
 
 Five maneuvers of FLEX-28 (FTA 506 at 0.56 to 1.09 of the flutter speed) are estimated by every
 method with two and four free modes and default settings. One JSON line per method and number of

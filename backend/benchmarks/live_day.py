@@ -1,4 +1,4 @@
-"""A day of flying on one live stream: ``python tests/benchmarks/live_day.py [hours]``.
+"""A day of flying on one live stream: ``python backend/benchmarks/live_day.py [hours]``.
 
 Eight hours of simulated test points of FLEX-28 (eight-mode truth, below the flutter speed, still
 air to moderate turbulence, one every two and a half minutes) are pushed to a server in fast motion

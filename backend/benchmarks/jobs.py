@@ -1,6 +1,6 @@
 """What the queue costs: a server, its workers, and browsers that read meanwhile.
 
-``python tests/benchmarks/jobs.py [--maneuvers N] [--database URL] [--dask ADDRESS]`` prints
+``python backend/benchmarks/jobs.py [--maneuvers N] [--database URL] [--dask ADDRESS]`` prints
 JSON lines.
 """
 

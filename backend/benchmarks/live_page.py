@@ -1,4 +1,4 @@
-"""Frames of the screen that strip charts drop: ``python tests/benchmarks/live_page.py``.
+"""Frames of the screen that strip charts drop: ``python backend/benchmarks/live_page.py``.
 
 A simulated maneuver of FLEX-28 is replayed in real time, and the page of the stream draws 12
 channels in a browser without graphics processor. Frames are counted by ``requestAnimationFrame``.
