@@ -27,7 +27,7 @@ for _folder in ("servers", "aircraft"):
     sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / _folder))
 
 from rigid_record import simulate_doublet, write_record
-from shipped import PASSWORD, Client, Server, ask_command, invite, serving, set_password
+from shipped import PASSWORD, Client, Server, ask_command, invite, serving_installed, set_password
 
 HALF, UPLOADS, STREAMS = 2000, 50, 1000
 VOTES, LOGINS = 300, 60
@@ -170,7 +170,7 @@ def main() -> None:
         ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
         roles = {"Ann": "admin", "Ben": "reviewer", "Cid": "analyst"}
         codes = [invite(folder, database, name, (role, "all")) for name, role in roles.items()]
-        with serving(folder, database, is_forked=False, FLEXSID_MODE="team") as server:
+        with serving_installed(folder, database, FLEXSID_MODE="team") as server:
             for code in codes:
                 set_password(server, code)
             rules = {"quorum": 9, "own_allowed": False, "reason": "many", "version": 0}

@@ -20,7 +20,7 @@ for _folder in ("servers", "aircraft"):
     sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / _folder))
 
 from rigid_record import simulate_doublet, write_record
-from shipped import Client, ask_command, serving
+from shipped import Client, ask_command, serving_installed
 from waiting import wait_until
 
 NOTES = 4  # of each start
@@ -75,7 +75,7 @@ def main() -> None:
         ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
         named = {"headers": {"X-Flexsid-Analyst": "Ann"}}
         for number in range(arguments.restarts):
-            with serving(folder, database, is_forked=False, FLEXSID_WORKERS="1") as server:
+            with serving_installed(folder, database, FLEXSID_WORKERS="1") as server:
                 client = server.connect(**named)
                 if number % 10 == 0:
                     request_jobs(client, number)
@@ -83,7 +83,7 @@ def main() -> None:
                 write_notes(client, number, acknowledged)
                 if arguments.kill:
                     server.process.kill()
-        with serving(folder, database, is_forked=False) as server:
+        with serving_installed(folder, database) as server:
             client = server.connect(**named)
             wait_until(lambda: has_ended(client), "the end of all jobs")
             states = Counter(one["state"] for one in client.get("jobs?limit=200")["items"])

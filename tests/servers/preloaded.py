@@ -1,8 +1,9 @@
-"""Commands, dispatchers, workers and streams forked from a process with the libraries loaded.
+"""Commands, dispatchers and streams forked from a process with the libraries loaded.
 
 Importing the libraries takes longer than most tests of servers. These processes run the same
 programs as those of ``flexsid.jobs.child`` and the installed command, which the tests of `jobs`,
-`cli` and `shipped`, `e2e/test_lost_server.py` and `docs/test_tutorials.py` start.
+`cli` and `shipped`, `e2e/test_lost_server.py` and `docs/test_tutorials.py` start. Their workers are
+forked by flexsid itself.
 """
 
 from __future__ import annotations
@@ -13,38 +14,30 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
-from flexsid.jobs import child, dispatcher_process
+from flexsid.jobs import dispatcher_process
 from flexsid.jobs.child import Program
-from flexsid.streams import live_streams, stream_process
+from flexsid.streams import live_streams
 
-_is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
 _FORKING.set_forkserver_preload(["loaded_modules"])
 
 
 def _fork(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
     """Start a function in a process that is forked with the libraries loaded."""
-    # A forked process forks its programs itself: it has the libraries loaded, and another fork
-    # server would import them again, for seconds.
-    if _is_forked:
-        forked: BaseProcess = multiprocessing.get_context("fork").Process(target=target, args=args)
-    else:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setenv("PYTHONPATH", str(Path(__file__).parent))
-            forkserver.ensure_running()
-        forked = _FORKING.Process(target=target, args=args)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parent))
+        forkserver.ensure_running()
+    forked = _FORKING.Process(target=target, args=args)
     forked.daemon = False
     forked.start()
     return forked
@@ -141,8 +134,6 @@ class ForkedCommand:
 def _run_command(
     arguments: list[str], folder: str, environment: dict[str, str], files: tuple[str, str]
 ) -> None:
-    global _is_forked
-    _is_forked = True
     for stream, file in enumerate(files, start=1):
         opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
         os.dup2(opened, stream)
@@ -155,55 +146,11 @@ def _run_command(
     sys.argv = ["flexsid", *arguments]
     from flexsid.cli.main import main
 
-    with ExitStack() as programs:
-        if arguments[:1] in (["serve"], ["demo"]):
-            programs.enter_context(
-                _programs_of(dispatcher_process, dispatcher_process.__name__, count=1)
-            )
-            programs.enter_context(_programs_of(live_streams, stream_process.__name__, count=1))
-        code = main()
+    code = main()
     # A process of ``multiprocessing`` ends without them.
     atexit._run_exitfuncs()
     sys.exit(code)
 
 
 def _run(module: str, connection: Connection, lifeline: Connection) -> None:
-    global _is_forked
-    if _is_forked:
-        _close_others(connection.fileno(), lifeline.fileno())
-    _is_forked = True
-    with ExitStack() as programs:
-        if module == dispatcher_process.__name__:
-            programs.enter_context(_programs_of(child, "flexsid.jobs.worker", count=6))
-        elif module == stream_process.__name__:
-            programs.enter_context(
-                _programs_of(stream_process, "flexsid.streams.estimate_process", count=2)
-            )
-        import_module(module).main([str(connection.fileno()), str(lifeline.fileno())])
-
-
-@contextmanager
-def _programs_of(user: ModuleType, module: str, count: int) -> Iterator[None]:
-    """Fork the first programs that a module will start, and start further ones as it does itself.
-
-    They are forked while this process has one thread: a process that is forked later would wait
-    for ever for a lock that another thread held at that moment.
-    """
-    ready = [PreloadedProgram(module) for _ in range(count)]
-    setattr(  # noqa: B010
-        user, "Program", lambda started: ready.pop() if ready else Program(started)
-    )
-    try:
-        yield
-    finally:
-        for program in ready:
-            program.kill()
-            program.close()
-
-
-def _close_others(*used: int) -> None:
-    """Close the files of the dispatcher: its pipes would stay open when it is killed."""
-    for name in os.listdir("/proc/self/fd"):
-        if int(name) > 2 and int(name) not in used:
-            with suppress(OSError):  # the one that listed them
-                os.close(int(name))
+    import_module(module).main([str(connection.fileno()), str(lifeline.fileno())])

@@ -2,9 +2,9 @@
 
 Tests of this kind act as a user does, through the command and the port, and import nothing of
 flexsid: a promise that holds only in the process of a test is found out. Starting the installed
-program costs twelve seconds of computation for a server and two for a command, most of it for
+program costs five seconds of computation for a server and two for a command, most of it for
 loading libraries. So commands are forked from a process that has loaded them, except in tests of
-what the start itself decides and in one test of each mode (``is_forked=False``).
+what the start itself decides and in one test of each mode (``serving_installed``).
 """
 
 from __future__ import annotations
@@ -150,23 +150,28 @@ class Client:
 
 @contextmanager
 def serving(
-    folder: Path,
-    database: str,
-    *options: str,
-    command: str = "serve",
-    is_forked: bool = True,
-    **variables: str,
+    folder: Path, database: str, *options: str, command: str = "serve", **variables: str
 ) -> Iterator[Server]:
-    """Start ``flexsid serve`` in a folder, until the block ends."""
+    """Serve a database in a folder, until the block ends."""
+    arguments = [command, "--database", database, *options]
+    with _serving(folder, arguments, variables, is_forked=True) as server:
+        yield server
+
+
+@contextmanager
+def serving_installed(folder: Path, database: str, **variables: str) -> Iterator[Server]:
+    """The same by the installed program."""
+    with _serving(folder, ["serve", "--database", database], variables, is_forked=False) as server:
+        yield server
+
+
+@contextmanager
+def _serving(
+    folder: Path, arguments: list[str], variables: dict[str, str], *, is_forked: bool
+) -> Iterator[Server]:
     port, log = find_free_port(), folder / "server.log"
-    process = _start(
-        [command, "--database", database, *options],
-        folder,
-        {"FLEXSID_PORT": str(port), **variables},
-        log,
-        log,
-        is_forked=is_forked,
-    )
+    variables = {"FLEXSID_PORT": str(port), **variables}
+    process = _start(arguments, folder, variables, log, log, is_forked=is_forked)
     server = Server(port, process, log)
     try:
         probe = server.connect().http

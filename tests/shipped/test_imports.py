@@ -8,7 +8,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 from rigid_record import simulate_doublet, write_record
-from shipped import Client, serving
+from shipped import Client, serving_installed
 from waiting import wait_until
 
 TRAP = "import os, sys\nwith open({file!r}, 'a') as f:\n    f.write(f'{{os.getpid()}} {name}\\n')\n"
@@ -33,9 +33,7 @@ def test_every_process_imports_from_the_installation_only(campaign: Path, tmp_pa
     (by_path / "sitecustomize.py").write_text(
         TRAP.format(file=str(caught_by_path), name="sitecustomize")
     )
-    with serving(
-        started_in, f"sqlite:///{database}", is_forked=False, PYTHONPATH=str(by_path)
-    ) as server:
+    with serving_installed(started_in, f"sqlite:///{database}", PYTHONPATH=str(by_path)) as server:
         client = server.connect()
         import_record(client, tmp_path)  # the process that reads files, dispatcher and worker
         run = client.send("post", "runs", {"maneuver_id": 2, "method": "EE"})

@@ -24,7 +24,7 @@ from shipped import (
     invite,
     make_environment,
     run_command,
-    serving,
+    serving_installed,
     set_password,
 )
 
@@ -74,7 +74,7 @@ REQUESTS: tuple[tuple[str, str, str, Any], ...] = (
 
 @contextmanager
 def in_team_mode(folder: Path, database: str) -> Iterator[tuple[Server, Callable[[str], Client]]]:
-    with serving(folder, database, is_forked=False, FLEXSID_MODE="team") as server:
+    with serving_installed(folder, database, FLEXSID_MODE="team") as server:
         yield server, server.log_in
 
 
@@ -83,9 +83,7 @@ def in_organisation_mode(
     folder: Path, database: str
 ) -> Iterator[tuple[Server, Callable[[str], Client]]]:
     variables = {"FLEXSID_PROXIES": "127.0.0.1", "FLEXSID_PROXY_SECRET": SECRET}
-    with serving(
-        folder, database, is_forked=False, FLEXSID_MODE="organisation", **variables
-    ) as server:
+    with serving_installed(folder, database, FLEXSID_MODE="organisation", **variables) as server:
 
         def connect(name: str) -> Client:
             named = {"X-Forwarded-User": name, "X-Flexsid-Proxy-Secret": SECRET}

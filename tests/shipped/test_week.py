@@ -20,7 +20,7 @@ from shipped import (
     Server,
     ask_command,
     invite,
-    serving,
+    serving_installed,
     set_password,
 )
 from tests.shipped.test_team import DESIGN, NAMED, RANKS, SECRET, STRUCTURE, set_schema
@@ -112,7 +112,7 @@ def at_work(
         for k in reversed(range(n_servers)) if reverse else range(n_servers):
             own = folder / f"server-{k}"
             own.mkdir(exist_ok=True)
-            start = serving(own, database, is_forked=False, TMPDIR=str(own), **variables)
+            start = serving_installed(own, database, TMPDIR=str(own), **variables)
             servers.append(stack.enter_context(start))
             if n_servers > 1:
                 wait_until(partial(is_ready, servers[-1]), "a server that dispatches")

@@ -26,6 +26,7 @@ from flexsid.demo.flex28 import NAME, UNSTEADY_NAME
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.formats.readers import load_formats
 from flexsid.jobs.cluster import write_cluster_certificate
+from flexsid.jobs.fork_server import start_fork_server
 from flexsid.jobs.health import PartHealth
 from flexsid.jobs.messages import configure_interpreter, loading
 from flexsid.jobs.notifier import read_channels
@@ -70,6 +71,7 @@ def serve(settings: Settings, arguments: argparse.Namespace) -> int:
     """Serve until stopped by a signal."""
     _load_extensions()
     _check_files(settings)
+    start_fork_server()
     with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)  # refuses an invalid database before the server starts
         return _serve_on(port, settings, arguments.json)
@@ -82,6 +84,7 @@ def demo(settings: Settings, arguments: argparse.Namespace) -> int:
         return 0
     _load_extensions()
     _check_files(settings)
+    start_fork_server()
     campaign_process = CampaignProcess(
         settings.database, _report_progress, unsteady=arguments.unsteady
     )

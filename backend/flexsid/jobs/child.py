@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import pickle
@@ -12,6 +13,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from flexsid.jobs.fork_server import ForkedProcess, get_fork_server
 from flexsid.jobs.messages import (
     ProgressMessage,
     TaskLostMessage,
@@ -20,6 +22,8 @@ from flexsid.jobs.messages import (
     describe_error,
 )
 from flexsid.jobs.worker import LoadKinds
+
+_log = logging.getLogger(__name__)
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 _STOPS = (-signal.SIGTERM, -signal.SIGHUP)
@@ -31,9 +35,10 @@ class Program:
     """A module of flexsid run as a separate process that ends with its parent process.
 
     It imports from the installation only, whatever the folder and the ``PYTHONPATH`` of its parent.
-    A ``subprocess`` rather than a ``multiprocessing`` process: any process, a daemon
-    included, may start it, and it does not load the parent's main module. It receives the
-    file descriptors of a connection and of a lifeline pipe, which closes with the parent.
+    It is forked by the fork server of this process, if there is one, or is a ``subprocess`` rather
+    than a ``multiprocessing`` process: any process, a daemon included, may start it, and it does
+    not load the parent's main module. It receives the file descriptors of a connection and of a
+    lifeline pipe, which closes with the parent.
 
     Parameters
     ----------
@@ -46,21 +51,7 @@ class Program:
         child_lifeline, lifeline = os.pipe()
         self._lifeline: int | None = lifeline
         try:
-            self._process = subprocess.Popen(
-                [
-                    # Without -P a module of the folder in which the server was started is imported
-                    # in place of any other of its name.
-                    *(sys.executable, "-P", "-m", module),
-                    *(str(child_connection.fileno()), str(child_lifeline)),
-                ],
-                stdin=subprocess.DEVNULL,
-                pass_fds=(child_connection.fileno(), child_lifeline),
-                env={
-                    **{name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
-                    # The matrices are small, and all workers share the cores.
-                    **dict.fromkeys(_BLAS_THREADS, "1"),
-                },
-            )
+            self._process = _start(module, child_connection.fileno(), child_lifeline)
         finally:
             # The child must hold the only copies; otherwise the pipe of a dead child stays open.
             child_connection.close()
@@ -109,6 +100,30 @@ class Program:
         if code is None:
             return "it no longer responds"
         return f"signal {-code}" if code < 0 else f"exit code {code}"
+
+
+def _start(module: str, connection: int, lifeline: int) -> subprocess.Popen[bytes] | ForkedProcess:
+    server = get_fork_server()
+    if server is not None:
+        try:
+            return server.fork(module, connection, lifeline)
+        except OSError as error:
+            _log.warning("the fork server does not respond (%s); a process is loaded anew", error)
+    return subprocess.Popen(
+        [
+            # Without -P a module of the folder in which the server was started is imported
+            # in place of any other of its name.
+            *(sys.executable, "-P", "-m", module),
+            *(str(connection), str(lifeline)),
+        ],
+        stdin=subprocess.DEVNULL,
+        pass_fds=(connection, lifeline),
+        env={
+            **{name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+            # The matrices are small, and all workers share the cores.
+            **dict.fromkeys(_BLAS_THREADS, "1"),
+        },
+    )
 
 
 def pickle_task(kind: str, task: Any, memory_mb: int | None) -> bytes:

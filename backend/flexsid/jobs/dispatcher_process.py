@@ -22,6 +22,7 @@ from typing import Any
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.fork_server import start_fork_server
 from flexsid.jobs.local import LocalWorkers, Workers
 from flexsid.jobs.messages import configure_interpreter
 from flexsid.jobs.notifier import Notifier, read_channels
@@ -173,8 +174,9 @@ def main(arguments: list[str]) -> None:
     connection = Connection(number)
     try:
         settings: DispatcherSettings = connection.recv()
-        store = Store.open(settings.database)
         kinds = settings.load_kinds()
+        start_fork_server()  # of the workers
+        store = Store.open(settings.database)
         workers = make_workers(settings.load_kinds, settings.dask, settings.workers)
     except EOFError:
         return

@@ -25,6 +25,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.jobs.child import Program
+from flexsid.jobs.fork_server import start_fork_server
 from flexsid.jobs.messages import configure_interpreter
 from flexsid.records.live import Frame, LivePhase, LiveState, Reception
 from flexsid.streams.frame_log import LONGEST_TRIM_S, FrameLog
@@ -267,6 +268,7 @@ def main(arguments: list[str]) -> None:
         order: StreamOrder = connection.recv()
     except EOFError:
         return
+    start_fork_server()  # of the estimates
     arrivals: queue.Queue[_Arrival | EndMessage] = queue.Queue(
         _FRAMES_AHEAD if order.waits else _FRAMES_WAITING
     )
