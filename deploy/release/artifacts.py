@@ -41,7 +41,15 @@ def list_pythons() -> list[str]:
 
 
 def write_version(version: str, day: date) -> None:
-    """Write a version into the package, its metadata, its changelog and its promises."""
+    """Write a version into the package, its metadata, its changelog and its promises.
+
+    Raises
+    ------
+    SystemExit
+        If it is no version of a release, such as 1.0.0 or 1.1.0rc1; nothing is written.
+    """
+    if re.fullmatch(r"\d+\.\d+\.\d+((a|b|rc)\d+)?", version) is None:
+        raise SystemExit(f"{version!r} is no version of a release, such as 1.0.0 or 1.1.0rc1")
     _edit(_VERSION_FILE, lambda text: _VERSION.sub(f'__version__ = "{version}"', text))
     _edit(ROOT / "CHANGELOG.md", lambda text: name_changes(text, version, day))
     _edit(ROOT / "CITATION.cff", lambda text: cite(text, version, day))

@@ -15,6 +15,7 @@ from artifacts import (
     list_pythons,
     name_changes,
     read_changes,
+    write_version,
 )
 from environments import read_program
 from ruamel.yaml import YAML
@@ -75,3 +76,9 @@ def test_the_program_of_a_page_is_all_its_blocks(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("a\n```python\nx = 1\n```\nb\n```text\nno\n```\n```python\ny = 2\n```\n")
     assert read_program(page) == "x = 1\n\ny = 2\n"
+
+
+@pytest.mark.parametrize("version", ["--help", "1.0", "v1.0.0", "1.0.0\n"])
+def test_what_is_no_version_is_not_written(version: str) -> None:
+    with pytest.raises(SystemExit, match="no version of a release, such as 1.0.0"):
+        write_version(version, DAY)
