@@ -171,18 +171,18 @@ def add_campaign(
     report_progress = report or (lambda fraction, message: None)
     aircraft = add_aircraft(store, unsteady=unsteady)
     missing = _find_missing(store, aircraft, seed, unsteady=unsteady)
-    if not unsteady:
-        add_uncut_flight(store, aircraft, seed)
     if missing:
         report_progress(0.0, f"{len(missing)} maneuvers to simulate")
-    else:
-        report_progress(1.0, "the campaign is complete")
     flown = _fly_all([simulate for _, simulate in missing], niceness)
     for count, ((flight_id, _), one) in enumerate(zip(missing, flown, strict=True), start=1):
         maneuver = add_maneuver(store, one, flight_id)
+        # Complete with the uncut flight.
         report_progress(
-            count / len(missing), f"{count} of {len(missing)} maneuvers, {maneuver.label}"
+            count / (len(missing) + 1), f"{count} of {len(missing)} maneuvers, {maneuver.label}"
         )
+    if not unsteady:
+        add_uncut_flight(store, aircraft, seed)
+    report_progress(1.0, "the campaign is complete")
     return len(missing)
 
 
@@ -312,20 +312,22 @@ def _prepare_process() -> None:
 
 
 def _fly_all(simulations: Sequence[_Simulation], niceness: int) -> Iterator[FlownManeuver]:
-    """Simulate in order, in several processes if there are at least four maneuvers."""
-    if len(simulations) < 4:
-        yield from map(_simulate, simulations)
-        return
-    context = multiprocessing.get_context("spawn")
+    """Simulate in order; after the first sheet in several processes, if four maneuvers are left."""
     labels = [one.keywords["label"] for one in simulations]
     n_first = labels.index(REPEAT) + 1 if REPEAT in labels else 0
-    levels = [0] * n_first + [niceness] * (len(labels) - n_first)
+    # Starting the processes takes longer than these.
+    yield from map(_simulate, simulations[:n_first])
+    rest = simulations[n_first:]
+    if len(rest) < 4:
+        yield from map(_simulate, rest)
+        return
+    context = multiprocessing.get_context("spawn")
     # One thread each: the matrices are small. More than four processes take longer to start.
     processes = min(4, os.cpu_count() or 1)
     with ProcessPoolExecutor(
         max_workers=processes, mp_context=context, initializer=_prepare_process
     ) as pool:
         try:
-            yield from pool.map(_simulate, simulations, levels)
+            yield from pool.map(partial(_simulate, niceness=niceness), rest)
         finally:
             pool.shutdown(cancel_futures=True)
