@@ -87,7 +87,10 @@ class ForkServer:
         self._lock = threading.Lock()
         self._requests, requests = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         if os.fork() == 0:
-            _serve(requests)
+            try:
+                _serve(requests)
+            finally:
+                os._exit(1)  # never as a second parent
         requests.close()
 
     def fork(self, module: str, connection: int, lifeline: int) -> ForkedProcess:
@@ -127,8 +130,11 @@ def start_fork_server() -> None:
     It has what is loaded now. A process with threads is not forked: the new one would wait for ever
     for what another thread held. Nor is one of another system than Linux.
     """
-    with suppress(OSError):
-        if len(os.listdir("/proc/self/task")) == 1 and hasattr(os, "pidfd_open"):
+    if not hasattr(os, "pidfd_open"):
+        return
+    with suppress(OSError):  # as where a container forbids it
+        os.close(os.pidfd_open(os.getpid()))
+        if len(os.listdir("/proc/self/task")) == 1:
             _servers[os.getpid()] = ForkServer()
 
 

@@ -1,8 +1,9 @@
 import { Button, MultiSelect } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
-import { useInfiniteQuery } from "@tanstack/react-query";
+import { useInfiniteQuery, useQueries } from "@tanstack/react-query";
 import { useState } from "react";
-import { runListQuery } from "../../api/queries";
+import { runListQuery, runsQuery } from "../../api/queries";
+import type { RunItem } from "../../api/types";
 import { fixed } from "../../lib/text/format";
 import { integers } from "../../lib/urlState";
 
@@ -17,6 +18,16 @@ interface Props {
   many?: boolean;
 }
 
+function describe(run: RunItem) {
+  const ratio = run.airspeed_ratio;
+  const at = ratio == null ? "" : `, ${fixed(ratio, 2)} V/Vf`;
+  const modes = run.modes.join(" ") || "rigid";
+  return {
+    value: String(run.id),
+    label: `${run.method} ${String(run.id)}: ${modes}, ${run.maneuver_label}${at}`,
+  };
+}
+
 /** Choice of succeeded runs; they are searched on the server. */
 export function RunChoice({ description, selected, onChange, many }: Props) {
   const [typed, setTyped] = useState("");
@@ -24,21 +35,18 @@ export function RunChoice({ description, selected, onChange, many }: Props) {
   const runs = useInfiniteQuery(
     runListQuery({ state: "succeeded", search: search || undefined }, "-id", MOST_OFFERED),
   );
-  const offered = (runs.data?.pages ?? [])
-    .flatMap((page) => page.items)
-    .map((run) => {
-      const ratio = run.airspeed_ratio;
-      const at = ratio == null ? "" : `, ${fixed(ratio, 2)} V/Vf`;
-      return {
-        value: String(run.id),
-        label: `${run.method} ${String(run.id)}: ${run.modes.join(" ") || "rigid"}, ${run.maneuver_label}${at}`,
-      };
-    });
+  const offered = (runs.data?.pages ?? []).flatMap((page) => page.items).map(describe);
   const listed = offered.map((one) => one.value);
   const chosen = selected.map(String);
-  const others = chosen
-    .filter((id) => !listed.includes(id))
-    .map((id) => ({ value: id, label: `Run ${id}` }));
+  // The search also finds the id of a run.
+  const others = useQueries({
+    queries: chosen.filter((id) => !listed.includes(id)).map((id) => runsQuery({ search: id })),
+    combine: (found) => found.flatMap((one) => one.data ?? []).map(describe),
+  });
+  const labelled = [...offered, ...others].filter(
+    (one, place, all) => all.findIndex((other) => other.value === one.value) === place,
+  );
+  const unknown = chosen.filter((id) => labelled.every((one) => one.value !== id));
   const further = listed.filter((id) => !chosen.includes(id));
   return (
     <>
@@ -54,7 +62,10 @@ export function RunChoice({ description, selected, onChange, many }: Props) {
         maxDropdownHeight={320}
         styles={{ pillsList: { maxHeight: 240, overflowY: "auto" } }}
         data-testid="run-choice"
-        data={[...offered, ...others]}
+        data={[
+          ...labelled.filter((one) => listed.includes(one.value) || chosen.includes(one.value)),
+          ...unknown.map((id) => ({ value: id, label: `Run ${id}` })),
+        ]}
         value={chosen}
         onChange={(ids) => {
           onChange(integers(ids));
