@@ -27,9 +27,9 @@ def list_values(module: Path) -> Iterator[tuple[str, ast.expr]]:
             yield ast.unparse(node.target), node.value
         elif isinstance(node, ast.arguments):
             given = [*node.posonlyargs, *node.args][len(node.args) - len(node.defaults) :]
-            pairs = [*zip(given, node.defaults, strict=False)]
-            pairs += zip(node.kwonlyargs, node.kw_defaults, strict=True)
-            yield from ((argument.arg, value) for argument, value in pairs if value is not None)
+            yield from ((one.arg, value) for one, value in zip(given, node.defaults, strict=False))
+            by_name = zip(node.kwonlyargs, node.kw_defaults, strict=True)
+            yield from ((one.arg, value) for one, value in by_name if value is not None)
 
 
 def read_numbers(value: ast.expr) -> list[float]:

@@ -29,7 +29,6 @@ _MODAL_ACTIONS = (
 )
 _METHODS = ("OE", "FRE", "EE")
 _ROLES = ("viewer", "analyst", "reviewer", "admin")
-_STARTS = ("best", "equation-error", "prediction", "residualized-prediction")
 
 
 def main(command_line: Sequence[str] | None = None) -> int:
@@ -195,7 +194,7 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     _add_import_options(add("import", "data:import_files", "import files with a mapping"))
     summary = "import, compare, update and export modes of FEM and ground vibration tests"
     _add_modal_options(add("modal-data", "modal_data:run_action", summary))
-    _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
+    add("run", "runs:run", "estimate from maneuvers", _add_run_options)
     summary = "list, save or delete templates: settings of runs under a name"
     _add_template_options(add("template", "runs:templates", summary))
 
@@ -339,6 +338,9 @@ def _add_compatibility_options(command: argparse.ArgumentParser) -> None:
 
 
 def _add_run_options(command: argparse.ArgumentParser) -> None:
+    from flexsid.cli.options import add_options
+    from flexsid.records.run import RunSettings
+
     option = command.add_argument
     meaning = "ids of maneuvers, each estimated separately"
     option("--maneuver", required=True, metavar="ID,ID", help=meaning)
@@ -351,18 +353,9 @@ def _add_run_options(command: argparse.ArgumentParser) -> None:
     option("--extra-parameters", default="", metavar="A,B", help=meaning)
     meaning = "template of runs, by name or id, whose settings hold unless they are given here"
     option("--template", metavar="NAME", help=meaning)
-    option("--start", choices=_STARTS, help=f"starting values; default: {_STARTS[0]}")
-    meaning = "prior standard deviation of derivatives about the prediction, relative to their size"
-    option("--prior-spread", type=float, metavar="SHARE", help=meaning)
-    meaning = (
-        "modes outside the model structure: retained as nuisance parameters with a prior at the "
-        "prediction, or omitted; default: retained"
-    )
-    option("--out-of-band-modes", choices=("retained", "omitted"), help=meaning)
-    meaning = "derivatives constant (default), or with the frequency shape of a computed prediction"
-    option("--aerodynamics", choices=("quasi-steady", "shaped"), help=meaning)
-    meaning = "additional maneuvers, estimated jointly with common derivatives"
-    option("--additional-maneuvers", default="", metavar="ID,ID", help=meaning)
+    names = ("start", "start_run_id", "max_iterations", "noise", "prior_spread")
+    names += ("out_of_band_modes", "aerodynamics", "additional_maneuver_ids")
+    add_options(command, RunSettings, *names)
     meaning = "execute the run now, instead of queueing it for a server"
     option("--wait", action="store_true", help=meaning)
 
@@ -452,8 +445,8 @@ def _add_search_options(command: argparse.ArgumentParser) -> None:
     option("maneuvers", metavar="ID,ID", help="ids of maneuvers, searched jointly")
     option("--method", choices=_METHODS, default="EE")
     _add_model_options(command, "", "candidate derivatives")
-    names = ("algorithm", "initial_terms", "f_in", "resamplings", "validate_on")
-    add_options(command, SearchSettings, *names)
+    names = ("algorithm", "initial_terms", "f_in", "pse_noise", "resamplings", "validate_on")
+    add_options(command, SearchSettings, *names, "max_iterations", "noise")
     meaning = "partial F to stay; default: as to enter"
     option("--f-out", type=float, default=argparse.SUPPRESS, metavar="F", help=meaning)
 

@@ -6,6 +6,7 @@ import argparse
 from dataclasses import replace
 
 from flexsid.cli.administration import open_store
+from flexsid.cli.options import read_options
 from flexsid.cli.output import (
     parse_band,
     parse_list,
@@ -21,15 +22,12 @@ from flexsid.jobs.kind import Kind, Request, Result, get_result
 from flexsid.jobs.kinds import RUN
 from flexsid.records.decision import Structure
 from flexsid.records.run import (
-    Aerodynamics,
     EstimationRun,
     Method,
-    OutOfBandModes,
     Progress,
     RunSettings,
     RunState,
     RunTemplate,
-    Start,
 )
 from flexsid.settings import Settings
 from flexsid.storage.jobs import batches
@@ -87,21 +85,12 @@ def run(settings: Settings, arguments: argparse.Namespace) -> int:
 
 
 def _read_request(arguments: argparse.Namespace) -> EstimationRun:
-    additional = arguments.additional_maneuvers
+    band = parse_band(arguments.band)
     return EstimationRun(
         maneuver_id=0,  # set for each maneuver
         method=Method(arguments.method),
         structure=read_structure(arguments, arguments.extra_parameters),
-        settings=RunSettings(
-            start=Start(arguments.start or Start.BEST),
-            band_hz=parse_band(arguments.band),
-            prior_spread=arguments.prior_spread,
-            out_of_band_modes=OutOfBandModes(
-                arguments.out_of_band_modes or RunSettings().out_of_band_modes
-            ),
-            aerodynamics=Aerodynamics(arguments.aerodynamics or Aerodynamics.QUASI_STEADY),
-            additional_maneuver_ids=parse_list(additional, int, "--additional-maneuvers"),
-        ),
+        settings=RunSettings(band_hz=band, **read_options(RunSettings, arguments)),
     )
 
 
@@ -110,14 +99,8 @@ def _apply_template(
 ) -> EstimationRun:
     if arguments.template is None:
         return requested
-    options = {
-        "start": arguments.start,
-        "band_hz": arguments.band,
-        "prior_spread": arguments.prior_spread,
-        "out_of_band_modes": arguments.out_of_band_modes,
-        "aerodynamics": arguments.aerodynamics,
-    }
-    given = frozenset(name for name, value in options.items() if value is not None)
+    given = frozenset(read_options(RunSettings, arguments))
+    given |= {"band_hz"} if arguments.band is not None else set()
     template = find_run_template(store, arguments.template)
     return apply_run_template(store, requested, template.original_id or template.id or 0, given)
 

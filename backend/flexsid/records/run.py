@@ -139,27 +139,46 @@ Prior = tuple[Number, Annotated[float, Allowed(gt=0.0, le=LARGEST["number"])]]
 class RunSettings:
     """Choices of the analyst that are not model structure.
 
-    ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
-    deviation by parameter, ``prior_spread`` gives every free derivative a prior at
-    the prediction whose errors are this share of the truth; ``start_run_id`` goes with
-    the start ``run``; ``additional_maneuver_ids`` names further maneuvers fitted with the
-    same derivatives;
-    ``out_of_band_modes`` is the treatment of known modes outside the model structure;
-    ``aerodynamics`` the dependence of the derivatives on frequency.
+    ``priors`` gives value and standard deviation by parameter, ``prior_spread`` every free
+    derivative a prior at the prediction, whose errors are this share of the truth.
     """
 
-    start: Start = Start.BEST
+    start: Annotated[Start, Allowed(text="Starting values.")] = Start.BEST
     band_hz: Band | None = None
-    max_iterations: Iterations = 100
-    noise: Noise = "diagonal"
+    max_iterations: Annotated[Iterations, Allowed(text="Most iterations.")] = 100
+    noise: Annotated[Noise, Allowed(text="Noise covariance of the outputs.")] = "diagonal"
     priors: Annotated[dict[Name, Prior], Allowed(max_length=500)] = field(
         default_factory=dict[str, Prior]
     )
-    prior_spread: Annotated[float | None, Allowed(gt=0.0, le=100.0)] = None
-    start_run_id: Id | None = None
-    additional_maneuver_ids: Annotated[tuple[Id, ...], Allowed(max_length=100)] = ()
-    out_of_band_modes: OutOfBandModes = OutOfBandModes.RETAINED
-    aerodynamics: Aerodynamics = Aerodynamics.QUASI_STEADY
+    prior_spread: Annotated[
+        float | None,
+        Allowed(
+            gt=0.0,
+            le=100.0,
+            text="Prior standard deviation of derivatives about the prediction, relative to their "
+            "size.",
+        ),
+    ] = None
+    start_run_id: Annotated[
+        Id | None, Allowed(text="Run that the start `run` has its values from.")
+    ] = None
+    additional_maneuver_ids: Annotated[
+        tuple[Id, ...],
+        Allowed(
+            max_length=100, text="Additional maneuvers, estimated jointly with common derivatives."
+        ),
+    ] = ()
+    out_of_band_modes: Annotated[
+        OutOfBandModes,
+        Allowed(
+            text="Modes outside the model structure: retained as nuisance parameters with a prior "
+            "at the prediction, or omitted."
+        ),
+    ] = OutOfBandModes.RETAINED
+    aerodynamics: Annotated[
+        Aerodynamics,
+        Allowed(text="Derivatives constant, or with the frequency shape of a computed prediction."),
+    ] = Aerodynamics.QUASI_STEADY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
