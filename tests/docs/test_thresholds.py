@@ -26,8 +26,9 @@ def list_values(module: Path) -> Iterator[tuple[str, ast.expr]]:
         elif isinstance(node, ast.AnnAssign) and node.value is not None:
             yield ast.unparse(node.target), node.value
         elif isinstance(node, ast.arguments):
-            given = [*node.posonlyargs, *node.args][len(node.args) - len(node.defaults) :]
-            yield from ((one.arg, value) for one, value in zip(given, node.defaults, strict=False))
+            given = [*node.posonlyargs, *node.args]
+            given = given[len(given) - len(node.defaults) :]
+            yield from ((one.arg, value) for one, value in zip(given, node.defaults, strict=True))
             by_name = zip(node.kwonlyargs, node.kw_defaults, strict=True)
             yield from ((one.arg, value) for one, value in by_name if value is not None)
 
