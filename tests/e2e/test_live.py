@@ -45,12 +45,13 @@ def test_an_alarm_stays_until_it_is_acknowledged_by_name(page: Page):
     page.get_by_test_id("add-limit").click()
     page.get_by_role("combobox", name="Limits of").fill("q")
     page.get_by_role("option", name="q", exact=True).click()
-    page.get_by_label(re.compile("^Low")).fill("-0.05")
-    page.get_by_label(re.compile("^High")).fill("0.05")
+    # Beyond the motion in trim, whose alarm would be another one.
+    page.get_by_label(re.compile("^Low")).fill("-3")
+    page.get_by_label(re.compile("^High")).fill("3")
     page.get_by_test_id("start-stream").click()
 
     alarm = page.get_by_role("alert").filter(has_text="ALARM: Limit exceeded, q")
-    expect(alarm).to_contain_text("beyond \N{MINUS SIGN}0.0500 to 0.0500 deg/s")
+    expect(alarm).to_contain_text("beyond \N{MINUS SIGN}3.00 to 3.00 deg/s")
     expect(page).to_have_title(re.compile("^ALARM"))
     page.reload()
     expect(alarm).to_be_visible()
