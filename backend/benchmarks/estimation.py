@@ -26,7 +26,6 @@ from scipy.linalg import lapack
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.records.maneuver import Condition
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
@@ -37,9 +36,6 @@ from flexsid.sysid.estimation.linear_algebra import regress_many
 from flexsid.sysid.estimation.noise import compute_group_powers, compute_residual_density
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import regress
-from flexsid.sysid.estimation.starting_values import estimate_delays
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
@@ -47,6 +43,10 @@ from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.rigid_body import Mounting, SensorRows, body_axes, stack_rows, strain_row
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN, load_sensor_models
 from flexsid.sysid.modes import StructuralModes
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.least_squares import regress
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
+from flexsid.sysid.regression.starting_values import estimate_delays
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses

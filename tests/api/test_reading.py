@@ -27,9 +27,8 @@ from flexsid.workflow.excitation import excitation_designs
 
 _SYSID = Path(flexsid.sysid.__file__).parent
 _COMPUTING = (
-    *("adequacy/model_tests.py", "aerodynamics/", "compatibility/", "estimation/equation_error.py"),
-    *("estimation/growing_record.py", "estimation/likelihood.py", "estimation/reconstruction.py"),
-    *("estimation/marginal_equation_error.py", "estimation/regression.py", "global_model/"),
+    *("adequacy/model_tests.py", "aerodynamics/", "compatibility/", "global_model/"),
+    *("estimation/growing_record.py", "estimation/likelihood.py", "regression/"),
     *("grey_box/fit.py", "modes/modal_model.py", "modes/output_only.py", "stability/flutter_"),
     *("preparation/fault_detection.py", "simulation/closed_loop.py"),
     "spectra/response_estimators.py",

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 from flexsid.verification.requirements import FLIGHTS, build_rigid_model
 

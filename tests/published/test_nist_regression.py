@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from flexsid.sysid.estimation.linear_algebra import regress_many
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
+from flexsid.sysid.regression.least_squares import ErrorsInVariables, regress
 from flexsid.verification.requirements import build_regression, count_digits, read_data_sets
 
 SETS = read_data_sets()

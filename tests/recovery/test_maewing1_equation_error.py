@@ -12,8 +12,8 @@ from file_imports import import_files
 from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.fits.equation_error_fit import warn_of_sensor_noise
 from flexsid.workflow.fits.estimation_task import (

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import Case
 
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 

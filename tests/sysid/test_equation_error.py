@@ -10,12 +10,12 @@ from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.agreement import apply_priors, fuse_estimates
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.linear_algebra import regress_many
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.rigid_body import SensorRows
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.least_squares import ErrorsInVariables, regress
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 
 

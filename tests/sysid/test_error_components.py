@@ -19,9 +19,9 @@ from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.regression.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 

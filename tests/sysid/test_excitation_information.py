@@ -7,10 +7,10 @@ import pytest
 from scipy import optimize
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation import input_optimisation
-from flexsid.sysid.estimation.fisher_information import FisherInformation
 from flexsid.sysid.estimation.flight_noise import RecordResiduals, split_residuals
-from flexsid.sysid.estimation.input_optimisation import (
+from flexsid.sysid.excitation import input_optimisation
+from flexsid.sysid.excitation.fisher_information import FisherInformation
+from flexsid.sysid.excitation.input_optimisation import (
     OptimisationFailed,
     optimise_amplitudes_d_optimal,
     optimise_amplitudes_minimax,

@@ -8,12 +8,10 @@ from tests.sysid.conftest import Case
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -25,6 +23,8 @@ from flexsid.sysid.model.longitudinal import (
 )
 from flexsid.sysid.model.rigid_body import SensorRows, stack_rows
 from flexsid.sysid.modes import StructuralModes
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 from flexsid.workflow.aircraft.aircraft_models import list_default_outputs

@@ -9,19 +9,19 @@ import pytest
 from lateral_flying_wing import condition_at, derivatives_at, modes_at, needs_records
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import SensorRows
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.stability.poles import Aeroelastic, compute_named_poles
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_crossing_error

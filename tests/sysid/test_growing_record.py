@@ -9,7 +9,6 @@ import pytest
 from scipy import linalg
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.estimation.frequency_response_error import estimate_partial_responses
 from flexsid.sysid.estimation.growing_record import (
@@ -17,7 +16,8 @@ from flexsid.sysid.estimation.growing_record import (
     select_resolved_frequencies,
 )
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.growing_record import (
     ChannelGroup,

@@ -16,7 +16,7 @@ from lateral_flying_wing import (
 )
 
 from flexsid.sysid.estimation.experiment import select_parameters
-from flexsid.sysid.estimation.fisher_information import _stack_limited
+from flexsid.sysid.excitation.fisher_information import _stack_limited
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.lateral import LATERAL, side_acceleration

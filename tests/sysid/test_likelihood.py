@@ -18,9 +18,9 @@ from flexsid.sysid.estimation.leakage import (
     remove_leakage,
 )
 from flexsid.sysid.estimation.likelihood import FitSettings, describe_outcome, maximize
-from flexsid.sysid.estimation.starting_values import estimate_delays
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import residualize
+from flexsid.sysid.regression.starting_values import estimate_delays
 from flexsid.sysid.signals import FrequencyData
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import Case, add_noise
 
-from flexsid.sysid.estimation import marginal_equation_error as marginal
 from flexsid.sysid.estimation.agreement import fuse_estimates
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import select_parameters
-from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.regression import marginal_equation_error as marginal
+from flexsid.sysid.regression.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.signals import FrequencyData
 
 FREQUENCIES = 2.0 * np.pi * np.arange(6, 336) / 24.0  # to 14 Hz; mode 11 has 13.5 Hz

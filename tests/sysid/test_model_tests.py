@@ -9,10 +9,10 @@ import pytest
 from tests.sysid.conftest import Case
 
 from flexsid.sysid.adequacy.model_tests import Hypothesis, ModelTest, compute_model_tests
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 
 FREQUENCIES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty harmonics each

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.input_optimisation import (
+from flexsid.sysid.excitation.input_optimisation import (
     Candidate,
     Criterion,
     build_discrimination_criterion,

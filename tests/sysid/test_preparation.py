@@ -8,7 +8,6 @@ from scipy import signal
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.sensor_models import Butterworth, Instrument
 from flexsid.sysid.preparation.redundancy import (
     compute_sensor_coherence,
@@ -20,6 +19,7 @@ from flexsid.sysid.preparation.redundancy import (
 )
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects, repair_samples
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.simulation.airframe import apply_instruments
 

@@ -9,12 +9,12 @@ import pytest
 from tests.sysid.conftest import OMEGA, Case, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import Regression, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.least_squares import Regression, regress
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.collinearity import find_near_dependencies
 from flexsid.sysid.structure_determination.evidence import (

@@ -15,12 +15,12 @@ from flexsid.sysid.adequacy.model_tests import (
     OpposedMotion,
     compute_model_tests,
 )
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 

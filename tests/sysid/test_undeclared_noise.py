@@ -10,9 +10,9 @@ from tests.sysid.conftest import Case
 from tests.sysid.test_coverage import FREQUENCIES, Maneuver
 
 from flexsid.sysid.estimation.experiment import select_parameters
-from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.regression.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.signals import FrequencyData
 
 SPREAD = 0.3

@@ -1,6 +1,5 @@
 """Public names of the library, once: they are promised, and loaded when they are first used."""
 
-from .estimation.equation_error import equation_error as equation_error
 from .estimation.estimate import Estimate as Estimate
 from .estimation.experiment import select_parameters as select_parameters
 from .estimation.frequency_response_error import (
@@ -35,6 +34,7 @@ from .model.rigid_body import stack_rows as stack_rows
 from .model.rigid_body import strain_row as strain_row
 from .model.sensor_models import Instrument as Instrument
 from .modes.shapes import StructuralModes as StructuralModes
+from .regression.equation_error import equation_error as equation_error
 from .signals import FrequencyData as FrequencyData
 from .signals import FrequencyResponse as FrequencyResponse
 from .signals import TimeHistory as TimeHistory

@@ -27,13 +27,13 @@ from flexsid.sysid.aerodynamics.pk_flutter import PkCrossing
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import accelerometer_row, gyro_row, vane_row
 from flexsid.sysid.model.rigid_body import stack_rows
 from flexsid.sysid.modes import StructuralModes
+from flexsid.sysid.regression.least_squares import ErrorsInVariables, regress
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots

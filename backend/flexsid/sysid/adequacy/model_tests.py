@@ -30,7 +30,6 @@ from flexsid.sysid.estimation.covariance import (
     estimate_noise,
     weight_score_noise,
 )
-from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import (
     FactoredModel,
@@ -39,13 +38,14 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     Sensitivity,
     expand_sensitivity,
 )
-from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.maneuver_data import ManeuverData
 from flexsid.sysid.estimation.noise import compute_band_powers
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.equation_error import build_regressors
+from flexsid.sysid.regression.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.signals import FrequencyData
 
 FALSE_ALARM_RATE = 0.05

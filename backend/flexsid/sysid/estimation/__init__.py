@@ -1,1 +1,1 @@
-"""Estimators: output error, frequency response error, equation error."""
+"""Maximum likelihood: output error, frequency response error, their noise and covariance."""

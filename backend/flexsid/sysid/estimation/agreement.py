@@ -17,7 +17,7 @@ from flexsid.sysid.estimation.estimate import (
     compute_shared_covariance,
     name_priors,
 )
-from flexsid.sysid.estimation.regression import invert_triangular
+from flexsid.sysid.estimation.linear_algebra import invert_triangular
 
 # --- Agreement of several correlated estimates of one parameter -----------------------------------
 

@@ -204,3 +204,18 @@ def regress_many(
     spread = np.sum(inverse**2, axis=2)
     errors = np.sqrt(0.5 * rest[:, :, None] * spread[:, None, :]) / scale[:, None, :]
     return theta.transpose(0, 2, 1) / scale[:, None, :], errors
+
+
+# --- Inverse of the factor of a least-squares problem ---------------------------------------------
+
+
+def invert_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
+    """Invert an upper triangular matrix R.
+
+    Notes
+    -----
+    (A^T A)^-1 = R^-1 R^-T with A = Q R avoids the loss of digits in A^T A, whose
+    condition number is the square of that of A.
+    Source: Golub and Van Loan, Matrix Computations, 4th ed., sec. 5.3.
+    """
+    return scipy.linalg.solve_triangular(r, np.eye(len(r)))

@@ -1,1 +1,1 @@
-"""Excitation: orthogonal multisines that move every surface at once."""
+"""Excitation: orthogonal multisines that move every surface at once, and what they will tell."""

@@ -10,7 +10,7 @@ import scipy
 from jaxtyping import Bool, Float, Int
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.regression import invert_triangular
+from flexsid.sysid.estimation.linear_algebra import invert_triangular
 
 # --- Orthogonal polynomials over the flown conditions ---------------------------------------------
 

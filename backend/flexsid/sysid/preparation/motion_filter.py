@@ -20,13 +20,13 @@ from jaxtyping import Complex, Float
 from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import (
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.equation_error import (
     build_variable_matrix,
     compute_aerodynamic_coefficients,
 )
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion
 
 # --- Process model of the aerodynamic coefficients: derivatives, and density of process noise -----
 

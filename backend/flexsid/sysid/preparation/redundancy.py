@@ -23,14 +23,14 @@ import scipy
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import (
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.equation_error import (
     MotionNoise,
     build_regressors,
     compute_aerodynamic_coefficients,
 )
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.least_squares import ErrorsInVariables, regress
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 
 # --- Time skews and scale factors from the redundancy of the sensors ------------------------------

@@ -11,8 +11,8 @@ from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
-from flexsid.sysid.estimation.input_optimisation import (
+from flexsid.sysid.excitation.fisher_information import LOAD_FACTOR, FisherInformation
+from flexsid.sysid.excitation.input_optimisation import (
     optimise_amplitudes_d_optimal,
     optimise_amplitudes_minimax,
 )

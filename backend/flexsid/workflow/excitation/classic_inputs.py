@@ -12,13 +12,13 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.maneuver import Condition
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.fisher_information import (
+from flexsid.sysid.excitation.checks import KINDS, design_classic_input, pulse_lengths
+from flexsid.sysid.excitation.fisher_information import (
     LOAD_FACTOR,
     FisherInformation,
     compute_waves,
     predict_cramer_rao_bounds_from_history,
 )
-from flexsid.sysid.excitation.checks import KINDS, design_classic_input, pulse_lengths
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.signals import TimeHistory
 from flexsid.sysid.stability.poles import Aeroelastic

@@ -16,15 +16,15 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
-from flexsid.sysid.estimation.input_optimisation import (
+from flexsid.sysid.excitation import designer
+from flexsid.sysid.excitation.fisher_information import LOAD_FACTOR, FisherInformation
+from flexsid.sysid.excitation.input_optimisation import (
     Candidate,
     Criterion,
     build_discrimination_criterion,
     build_variance_criterion,
     optimise_powers,
 )
-from flexsid.sysid.excitation import designer
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import compute_crossing_slopes, compute_damping_slopes

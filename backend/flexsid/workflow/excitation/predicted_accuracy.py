@@ -25,12 +25,6 @@ from flexsid.records.run import (
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.experiment import Parameters, select_parameters
-from flexsid.sysid.estimation.fisher_information import (
-    LOAD_FACTOR,
-    FisherInformation,
-    compute_flown_bounds,
-    predict_cramer_rao_bounds,
-)
 from flexsid.sysid.estimation.flight_noise import (
     FlightNoiseModel,
     RecordResiduals,
@@ -41,6 +35,12 @@ from flexsid.sysid.estimation.flight_noise import (
 )
 from flexsid.sysid.estimation.maneuver_data import ManeuverData
 from flexsid.sysid.excitation.catalogue import is_throttle
+from flexsid.sysid.excitation.fisher_information import (
+    LOAD_FACTOR,
+    FisherInformation,
+    compute_flown_bounds,
+    predict_cramer_rao_bounds,
+)
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.aircraft.aircraft_models import (

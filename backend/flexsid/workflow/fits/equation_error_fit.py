@@ -9,19 +9,19 @@ import numpy as np
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import Method, Progress, ReportProgress
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Parameters
-from flexsid.sysid.estimation.joint_equation_error import (
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.regression.joint_equation_error import (
     EquationErrorFit,
     RetainedPrior,
     fit_free_maneuvers,
     fit_whole_maneuvers,
 )
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.starting_values import (
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion
+from flexsid.sysid.regression.starting_values import (
     estimate_delays,
     regress_parts,
     regularise_start,
 )
-from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     ManeuverData,

@@ -16,11 +16,11 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.records.views import ReconstructedTrace, Reconstruction
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, compute_observability
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
 from flexsid.sysid.preparation.resampling import Response, resample, respond_between
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, compute_observability
 from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,

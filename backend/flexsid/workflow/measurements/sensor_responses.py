@@ -12,11 +12,11 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody, SensorRows
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs

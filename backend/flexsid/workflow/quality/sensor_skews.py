@@ -12,7 +12,6 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import COMBINED, Channel, Maneuver, Role
 from flexsid.records.quality import SurfaceQuality
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, VANE
 from flexsid.sysid.preparation.fault_detection import FaultDetection, detect_sensor_faults
@@ -30,6 +29,7 @@ from flexsid.sysid.preparation.redundancy import (
 )
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.preparation.surface_checks import SurfaceCheck, check_surface
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies
 from flexsid.workflow.aircraft.aircraft_models import compute_input_correction
 from flexsid.workflow.aircraft.axes import list_harmonics

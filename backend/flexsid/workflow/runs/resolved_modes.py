@@ -9,8 +9,8 @@ from flexsid.errors import BadInput
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.experiment import select_parameters
-from flexsid.sysid.estimation.fisher_information import compute_determined_shares
 from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.excitation.fisher_information import compute_determined_shares
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.spectra.measured_spectra import MeasuredSpectra
 from flexsid.sysid.spectra.residual_spectrum import estimate_scatter

@@ -34,8 +34,8 @@ from flexsid.records.views import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import compute_correlation
-from flexsid.sysid.estimation.equation_error import build_regressors
-from flexsid.sysid.estimation.joint_equation_error import reconstruct_with_out_of_band_modes
+from flexsid.sysid.regression.equation_error import build_regressors
+from flexsid.sysid.regression.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.spectra.collinearity import assess_collinearity
 from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient

@@ -11,15 +11,15 @@ from jaxtyping import Complex
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.agreement import fuse_estimates
 from flexsid.sysid.estimation.end_states import number_ends
-from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.leakage import add_errors, fit_free_motion
 from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.maneuver_data import ManeuverData, build_output_error
-from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.equation_error import equation_error
+from flexsid.sysid.regression.marginal_equation_error import marginal_equation_error
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion, reconstruct_motion
 
 
 @dataclass(frozen=True, slots=True)

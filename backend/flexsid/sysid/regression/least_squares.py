@@ -11,6 +11,7 @@ from jaxtyping import Complex, Float
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import scale_rows
+from flexsid.sysid.estimation.linear_algebra import invert_triangular
 
 _LARGEST_CONDITION = 1e10  # of the scaled regressors: collinear above
 _ITERATIONS = 20
@@ -147,18 +148,6 @@ def regress(
     fit = WeightedFit(theta, np.ones(n_frequencies), 0.0)
     inverse = NormalInverse(directions, np.ones(p), np.zeros(p), np.zeros((p, p)))
     return _add_covariance(X, z, fit, inverse)
-
-
-def invert_triangular(r: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "p p"]:
-    """Invert an upper triangular matrix R.
-
-    Notes
-    -----
-    (A^T A)^-1 = R^-1 R^-T with A = Q R avoids the loss of digits in A^T A, whose
-    condition number is the square of that of A.
-    Source: Golub and Van Loan, Matrix Computations, 4th ed., sec. 5.3.
-    """
-    return scipy.linalg.solve_triangular(r, np.eye(len(r)))
 
 
 def _as_real(values: np.ndarray) -> np.ndarray:

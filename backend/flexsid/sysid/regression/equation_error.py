@@ -15,9 +15,9 @@ from flexsid.sysid.estimation.flight_noise import (
     ProcessNoise,
     estimate_process_noise,
 )
-from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.regression import ErrorsInVariables, Regression, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.least_squares import ErrorsInVariables, Regression, regress
+from flexsid.sysid.regression.reconstruction import ReconstructedMotion
 from flexsid.sysid.signals import FrequencyData, check_finite
 
 

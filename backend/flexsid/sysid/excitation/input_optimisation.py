@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from scipy import linalg, optimize
 
 from flexsid.errors import BadInput, FlexsidError, NotIdentifiable
-from flexsid.sysid.estimation.fisher_information import FisherInformation
+from flexsid.sysid.excitation.fisher_information import FisherInformation
 
 # --- Amplitude optimisation: input amplitudes of least parameter variance within limits -----------
 

@@ -16,8 +16,8 @@ from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.noise import smooth_density
-from flexsid.sysid.estimation.regression import estimate_excess_variance
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.least_squares import estimate_excess_variance
 from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
 from flexsid.sysid.spectra.residual_spectrum import estimate_scatter
 

@@ -14,13 +14,6 @@ import numpy as np
 from jaxtyping import Complex, Float, Inexact
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import (
-    MotionNoise,
-    build_regressors,
-    compute_aerodynamic_coefficients,
-    equation_error_rows,
-    shape_regressors,
-)
 from flexsid.sysid.estimation.estimate import (
     ErrorComponents,
     Estimate,
@@ -31,13 +24,20 @@ from flexsid.sysid.estimation.estimate import (
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.linear_algebra import sum_products
 from flexsid.sysid.estimation.noise import SpectralMatrix, smooth_density
-from flexsid.sysid.estimation.reconstruction import (
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.regression.equation_error import (
+    MotionNoise,
+    build_regressors,
+    compute_aerodynamic_coefficients,
+    equation_error_rows,
+    shape_regressors,
+)
+from flexsid.sysid.regression.reconstruction import (
     ReconstructedMotion,
     SensorEquations,
     complete_noise_guess,
     solve_sensor_equations,
 )
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
 
 _ITERATIONS = 12  # of the nuisance parameters

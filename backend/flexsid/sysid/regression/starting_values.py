@@ -17,19 +17,19 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.equation_error import (
+from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Experiment, Parameters
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.rigid_body import ACCELERATION, INTEGRAL, RATE
+from flexsid.sysid.regression.equation_error import (
     build_regressors,
     compute_aerodynamic_coefficients,
 )
-from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Experiment, Parameters
-from flexsid.sysid.estimation.reconstruction import (
+from flexsid.sysid.regression.reconstruction import (
     ReconstructedMotion,
     complete_noise_guess,
     reconstruct_motion,
 )
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.rigid_body import ACCELERATION, INTEGRAL, RATE
 from flexsid.sysid.signals import FrequencyData, check_signal
 
 # --- Regression of parts of maneuvers: starting values from records that begin or end in motion

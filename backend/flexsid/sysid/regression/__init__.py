@@ -1,0 +1,1 @@
+"""Equation error: regression of coefficients on measured motion."""
