@@ -12,7 +12,8 @@ from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -39,6 +40,7 @@ from flexsid.records.maneuver import Cut, Flight, FlightChannel
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.reports.content import Drawing, ReportTable, Words
 from flexsid.reports.sortie import sortie_report
+from flexsid.storage.database import parse_url
 from flexsid.storage.live_history import list_states
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.recordings import read_channels
@@ -228,6 +230,34 @@ def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypat
     assert isinstance(defects, ReportTable)
     assert {row[1] for row in defects.rows} == {"0.50"}
     assert store.live_streams.get(stream.id).status is StreamStatus.STOPPED
+
+
+def test_a_new_stream_has_no_frames_of_another_one_of_its_number(store, streams):
+    """As after the database was restored: stream 1 of the later state has left its frames."""
+    folder = locate_frames(store, 1)
+    left = FrameLog(folder, read_task(store).header)
+    for frame in read_frames_of_flight(store, 100, 160):
+        left.append(frame)
+    left.close()
+    packets = {file.name: file.read_bytes() for file in folder.iterdir()}
+    stream = streams.start(describe_stream("push"))
+    push(streams, stream.id, read_frames_of_flight(store, 0, 60))
+    wait_for_time(streams, stream.id, 3.0)
+    assert streams.find_newest_s(stream.id) == pytest.approx(3.0)
+    aside = folder.with_name("1-left-1")
+    assert {file.name: file.read_bytes() for file in aside.iterdir()} == packets
+
+
+def test_databases_of_a_server_do_not_share_frames() -> None:
+    urls = [parse_url(f"postgresql://flexsid:{word}@host/{name}") for word, name in DATABASES]
+    stores = [SimpleNamespace(database=SimpleNamespace(url=url)) for url in urls]
+    first, renewed, other = (locate_frames(cast("Store", one), 1) for one in stores)
+    assert first == renewed
+    assert other.parent != first.parent
+
+
+DATABASES = (("secret", "x56a"), ("renewed", "x56a"), ("secret", "t38"))
+"""Password and name."""
 
 
 def test_the_gap_of_a_lost_broker_is_named(store, tmp_path, monkeypatch):

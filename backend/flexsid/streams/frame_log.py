@@ -12,6 +12,8 @@ import tempfile
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
+from hashlib import sha256
+from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
@@ -36,13 +38,30 @@ _PRESENT, _SEALED = "present", ".maneuver"
 
 
 def locate_frames(store: Store, stream_id: int) -> Path:
-    """Return the folder of the frames of a stream: beside a database file."""
-    file = sqlite_file(store.database.url)
+    """Return the folder of the frames of a stream: beside a database file.
+
+    Of a database server it is in the folder of temporary files, where each database has its own.
+    """
+    url = store.database.url
+    file = sqlite_file(url)
     if file is None:
-        folder = Path(tempfile.gettempdir()) / f"flexsid-streams-{getpass.getuser()}"
+        database = sha256(url.render_as_string(hide_password=True).encode()).hexdigest()[:12]
+        folder = Path(tempfile.gettempdir()) / f"flexsid-streams-{getpass.getuser()}-{database}"
     else:
         folder = file.with_name(f"{file.name}-streams")
     return folder / str(stream_id)
+
+
+def set_aside(folder: Path) -> Path | None:
+    """Rename the folder of a new stream if it exists, and return its new name.
+
+    Another stream of the same number left it, as before the database was restored: the new one
+    would resume with its frames.
+    """
+    if not folder.exists():
+        return None
+    names = (folder.with_name(f"{folder.name}-left-{n}") for n in count(1))
+    return folder.rename(next(name for name in names if not name.exists()))
 
 
 def has_sealed(folder: Path) -> bool:

@@ -33,7 +33,12 @@ from flexsid.storage.access import using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import live_streams
 from flexsid.streams.broker import BrokerAccess, read_credentials
-from flexsid.streams.frame_log import StripChartMemory, has_sealed, locate_frames
+from flexsid.streams.frame_log import (
+    StripChartMemory,
+    has_sealed,
+    locate_frames,
+    set_aside,
+)
 from flexsid.streams.receiver import (
     EndMessage,
     FrameMessage,
@@ -50,6 +55,7 @@ from flexsid.workflow.live.live_fit import LiveTask, prepare_live_task
 _log = logging.getLogger(__name__)
 
 _RESTART_S = 1.0
+_START_S = 10.0  # more than loading the libraries takes
 _STOP_S = 60.0  # for the last estimate, and storing the maneuver
 _WATCH_S = 1.0  # between looks whether another server stops a stream
 _OTHER_S = 10.0  # for another server to stop a stream; then the response is that it still runs
@@ -67,6 +73,7 @@ class _Running:
     thread: threading.Thread | None = None
     program: Program | None = None
     lock: threading.Lock = field(default_factory=threading.Lock)  # held while a request is sent
+    begun: threading.Event = field(default_factory=threading.Event)  # what is sent now arrives
     stopping: threading.Event = field(default_factory=threading.Event)
     state: LiveState | None = None
     states: int = 0
@@ -140,6 +147,8 @@ class LiveStreams:
             stored = self._store.live_streams.add(order.stream)
             assert stored.id is not None
             folder = locate_frames(self._store, stored.id)
+            if (left := set_aside(folder)) is not None:
+                _log.warning("an earlier stream %d left frames, now in %s", stored.id, left)
             self._begin(stored.id, replace(order, stream=stored, folder=folder))
         return stored
 
@@ -323,6 +332,7 @@ class LiveStreams:
         with self._lock:
             self._running[stream_id] = running
         running.thread.start()
+        running.begun.wait(_START_S)  # packets that are posted next must not be lost
         threading.Thread(
             target=self._watch, args=(stream_id, running), name=f"watch-{stream_id}", daemon=True
         ).start()
@@ -362,9 +372,11 @@ class LiveStreams:
                 if running.stopping.is_set() and running.program is None:
                     break
                 running.program = program = Program("flexsid.streams.stream_process")
+                with suppress(OSError):  # before any request
+                    program.connection.send(running.order)
+            running.begun.set()
             end: EndMessage | None = None
             with suppress(EOFError, OSError):
-                program.connection.send(running.order)
                 while True:
                     message = program.connection.recv()
                     if isinstance(message, EndMessage):
