@@ -75,7 +75,7 @@ class Crowd:
         self._selector.register(connection, selectors.EVENT_READ, text)
 
     def run(self, pipe: Connection) -> None:
-        """Read what arrives, and send a little of each upload every second, until told to stop."""
+        """Read what arrives, and send a little of each upload every second, until stopped."""
         pipe.send(0)
         at = time.monotonic()
         while not pipe.poll():

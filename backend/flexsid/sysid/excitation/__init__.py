@@ -1,1 +1,1 @@
-"""Excitation: orthogonal multisines that move every surface at once, and what they will tell."""
+"""Excitation: orthogonal multisines that move every surface at once, and their information."""
