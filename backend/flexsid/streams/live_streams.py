@@ -370,6 +370,7 @@ class LiveStreams:
         while True:
             with running.lock:
                 if running.stopping.is_set() and running.program is None:
+                    running.begun.set()  # nothing is sent any more
                     break
                 running.program = program = Program("flexsid.streams.stream_process")
                 with suppress(OSError):  # before any request
