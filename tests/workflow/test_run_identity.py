@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from sqlalchemy import Engine, event
 
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.modal_data import ModeCorrection
 from flexsid.records.run import Batch, EstimationRun, Method
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import run_identity
+from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.exports import load_identified_model as identified_model
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_templates import queue_batch
@@ -106,3 +110,57 @@ def test_a_run_that_no_door_has_checked_is_refused(flown, part, change, said):
         queue_batch(
             *(flown, Batch(name="wrong"), [1], [Method.EE], [wrong]), from_equation_error=False
         )
+
+
+def test_a_named_prediction_is_part_of_the_run(flown):
+    """A request for another prediction is not answered by a run with the default one."""
+    first, *_ = flown.predictions.find(aircraft_id=1)
+    doubled = flown.arrays.put(2.0 * flown.arrays.get(first.values))
+    other = flown.predictions.add(replace(first, id=None, source="wind tunnel", values=doubled))
+    hashes = {
+        add_hashes(flown, build_run(flown, prediction_id=number)).input_hash
+        for number in (None, first.id, other.id)
+    }
+    assert len(hashes) == 3
+
+
+def test_a_corrected_mode_is_another_run(flown):
+    before = add_hashes(flown, build_run(flown))
+    flown.mode_corrections.add(
+        ModeCorrection(
+            modal_table_id=before.modal_table_id, number=7, name="SW1B", symmetric=False, reason="x"
+        )
+    )
+    assert add_hashes(flown, build_run(flown)).input_hash != before.input_hash
+
+
+def test_the_hash_covers_every_table_that_a_run_reads(flown):
+    """What is read and not hashed would be a change that makes no other run."""
+    read: set[str] = set()
+    flown.aircraft.replace(replace(flown.aircraft.get(1), description="not prepared before"))
+    run = build_run(flown)
+
+    def note(_connection: Any, _cursor: Any, statement: str, *_: Any) -> None:
+        read.update(re.findall(r'(?:FROM|JOIN) "?(\w+)', statement))
+
+    event.listen(Engine, "before_cursor_execute", note)
+    try:
+        prepare(flown, run)
+    finally:
+        event.remove(Engine, "before_cursor_execute", note)
+    hashed = {"aircraft", "channels", "conditioning_steps", "maneuvers", "modal_tables"}
+    hashed |= {"mode_corrections", "predictions", "arrays"}  # arrays are named by their content
+    assert {"maneuvers", "channels", "predictions"} <= read <= hashed
+
+
+def test_methods_of_equal_records_are_prepared_once(flown):
+    first, again, other = (
+        prepare(flown, build_run(flown, method=method))
+        for method in (Method.EE, Method.EE, Method.FRE)
+    )
+    assert again.maneuver_tasks is first.maneuver_tasks is other.maneuver_tasks
+    assert (first.method, other.method) == (Method.EE, Method.FRE)
+    assert first.provenance.input_hash != other.provenance.input_hash
+    aircraft = flown.aircraft.get(1)
+    flown.aircraft.replace(replace(aircraft, description="as weighed in May"))
+    assert prepare(flown, build_run(flown)).maneuver_tasks is not first.maneuver_tasks

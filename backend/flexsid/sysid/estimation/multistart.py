@@ -36,6 +36,7 @@ def maximize_from_starts(
     count_moved_poles: Callable[[Optimum], int],
     report: Callable[[str, int, int, float], None],
     n_perturbed: int = PERTURBED_STARTS,
+    known: Optimum | None = None,
 ) -> Optimum:
     """Maximise the likelihood from every start and return the best optimum.
 
@@ -54,6 +55,8 @@ def maximize_from_starts(
     n_perturbed
         Perturbed starts at most, which follow where no start converged; their number is that of
         the candidates.
+    known
+        Where the maximisation from the candidate of this name ended, if that is known.
 
     Raises
     ------
@@ -67,6 +70,9 @@ def maximize_from_starts(
     """
 
     def attempt(name: str, parameters: Parameters, number: int) -> Optimum:
+        if known is not None and known.start == name:
+            return known
+
         def report_iteration(iteration: int, cost: float) -> None:
             report(name, number, iteration, cost)
 

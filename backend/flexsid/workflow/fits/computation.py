@@ -270,7 +270,7 @@ def fit_likelihood(
         if is_consistent and not select_moved_poles(task, poles):
             return fit
     candidates = collect_starting_points(task, report)
-    further = _find_optimum(task, report, candidates, PERTURBED_STARTS)
+    further = _find_optimum(task, report, candidates, PERTURBED_STARTS, optimum)
     if fit is not None and fit.adequacy.state is not AdequacyState.NOT_TESTED:
         change = further.estimate.steps[-1].cost - estimate.steps[-1].cost
         if type(further) is type(optimum) and abs(change) < SAME_COST:
@@ -290,14 +290,19 @@ def _find_optimum(
     report: ReportProgress,
     candidates: Mapping[str, Parameters],
     n_perturbed: int,
+    known: CorrectedFit | _LikelihoodOptimum | None = None,
 ) -> CorrectedFit | _LikelihoodOptimum:
-    """Find the optimum from all starts, without the noise that feedback correlates if it can."""
+    """Find the optimum from all starts, without the noise that feedback correlates if it can.
+
+    ``known`` is the optimum from one of them.
+    """
     fit = fit_without_feedback_noise(task, report, candidates)
     if fit is not None:
         return fit
+    known = known if isinstance(known, _LikelihoodOptimum) else None
     experiments = build_experiments(task)
     candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
-    best = maximize_task(task, experiments, report, n_perturbed, candidates)
+    best = maximize_task(task, experiments, report, n_perturbed, candidates, known)
     return _LikelihoodOptimum(best.parameters, best.start, best.estimate, experiments)
 
 

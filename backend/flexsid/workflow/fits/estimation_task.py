@@ -139,6 +139,12 @@ class EstimationTask:
         of_shapes = self.shape_spread if shape_spread is None else shape_spread
         return self._change(spread=spread, shape_spread=of_shapes)
 
+    def for_request(
+        self, method: Method, warnings: tuple[str, ...], provenance: Provenance
+    ) -> EstimationTask:
+        """Return the task of a request by another method, with its warnings and its records."""
+        return self._change(method=method, warnings=warnings, provenance=provenance)
+
     def without_shape_errors(self) -> EstimationTask:
         """Return the task that takes the mode shapes as exact."""
         return self._change(shape_errors={}) if self.shape_errors else self

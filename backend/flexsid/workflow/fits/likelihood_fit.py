@@ -47,10 +47,12 @@ def maximize_task(
     report: ReportProgress,
     n_perturbed: int = PERTURBED_STARTS,
     candidates: Mapping[str, Parameters] | None = None,
+    known: Optimum | None = None,
 ) -> Optimum:
     """Maximise the likelihood of a task from every start and return the best optimum.
 
-    ``candidates`` are the start parameters by name, by default those of the task.
+    ``candidates`` are the start parameters by name, by default those of the task; ``known`` is
+    where the maximisation from one of them ended.
     """
     if candidates is None:
         candidates = collect_starting_points(task, report)
@@ -66,7 +68,7 @@ def maximize_task(
         return len(select_moved_poles(task, compute_poles(task, end.parameters, end.estimate)))
 
     best = maximize_from_starts(
-        experiments, starts, settings, count_moved_poles, report_iteration, n_perturbed
+        experiments, starts, settings, count_moved_poles, report_iteration, n_perturbed, known
     )
     nuisance = task.marginalised | frozenset(list_end_state_names(best.parameters))
     return replace(best, estimate=replace(best.estimate, nuisance=nuisance))

@@ -8,8 +8,9 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, list_surface_parts
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, Method, ModelAdequacy, OutOfBandModes, RunSettings
+from flexsid.records.run import Method, ModelAdequacy, OutOfBandModes, RunSettings
 from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, standard_errors
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
@@ -47,7 +48,8 @@ def check_extras(method: Method, extras: Iterable[str]) -> None:
 
 
 def list_request_warnings(
-    run: EstimationRun,
+    method: Method,
+    structure: Structure,
     maneuver: Maneuver,
     aircraft: Aircraft,
     model: AeroelasticModel,
@@ -59,15 +61,17 @@ def list_request_warnings(
 
     Parameters
     ----------
-    run, maneuver, aircraft, model
-        The request, its first maneuver, and the model that is fitted to it.
+    method, structure
+        Of the request.
+    maneuver, aircraft, model
+        Its first maneuver, and the model that is fitted to it.
     max_omega
         Highest frequency of the fit. [rad/s]
     names, symmetric
         Name of every mode, and whether it is symmetric (None: not known), by number.
     """
     numbers = model.modes.numbers
-    held = run.method is Method.EE and run.structure.free_delays
+    held = method is Method.EE and structure.free_delays
     return [
         *_warn_of_out_of_band_modes(model, max_omega, names),
         *(
@@ -76,7 +80,7 @@ def list_request_warnings(
             for number in numbers
             if not may_be(symmetric[number], model.body.symmetry == "symmetric")
         ),
-        *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, aircraft, model)),
+        *(() if method is Method.FRE else _warn_of_omitted_inputs(maneuver, aircraft, model)),
         *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -77,6 +78,16 @@ def apply_corrections(store: Store, table: ModalTable) -> ModalTable:
             by = f", by {correction.author}" if correction.author else ""
             reasons[index] = f"{correction.reason} (corrected{by})"
     return replace(table, names=tuple(names), symmetric=tuple(symmetric), reasons=tuple(reasons))
+
+
+def list_corrections(store: Store, table_ids: Iterable[int]) -> list[list[Any]]:
+    """List what the corrections of modes say, in the order in which they apply."""
+    found = [
+        one
+        for number in dict.fromkeys(table_ids)
+        for one in store.mode_corrections.find(modal_table_id=number)
+    ]
+    return [[one.modal_table_id, one.number, one.name, one.symmetric] for one in found]
 
 
 def format_title(table: ModalTable) -> str:

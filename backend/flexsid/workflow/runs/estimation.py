@@ -6,8 +6,10 @@ process, ``store_result`` stores the result.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -21,6 +23,7 @@ from flexsid.records.run import (
     EstimationRun,
     Fit,
     FitBlock,
+    Method,
     NuisanceParameter,
     OutOfBandModes,
     OutputQuality,
@@ -96,7 +99,7 @@ from flexsid.workflow.modal_data.modal_tables import (
     select_out_of_band_modes,
 )
 from flexsid.workflow.model_structures.model_structures import resolve_structure
-from flexsid.workflow.runs.run_identity import hash_provenance
+from flexsid.workflow.runs.run_identity import hash_provenance, hash_request
 from flexsid.workflow.runs.starts import (
     build_predicted_tables,
     collect_priors,
@@ -110,10 +113,28 @@ from flexsid.workflow.runs.starts import (
 __all__ = ["compute_run", "prepare", "store_result"]
 
 
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """Task of a request by any method, the records that it was read from, and its warnings."""
+
+    task: EstimationTask
+    aircraft_id: int
+    used: dict[str, tuple[int | None, ...]]
+    list_warnings: Callable[[Method], tuple[str, ...]]
+
+
+_MOST_PREPARED = 4  # a proposal, the check of a request and its runs prepare the same data
+_LARGEST_PREPARED = 16 * 1024**2  # bytes of samples; longer records are read again
+
+_prepared: OrderedDict[str, _Prepared] = OrderedDict()
+_preparing = threading.Lock()
+
+
 def prepare(store: Store, run: EstimationRun, condition: Condition | None = None) -> EstimationTask:
     """Read everything that a run needs.
 
-    The provenance of a run that has a result is not hashed again.
+    The provenance of a run that has a result is not hashed again. Equal records are read once for
+    the proposal of a run, the check of its request and its methods.
 
     Parameters
     ----------
@@ -131,11 +152,46 @@ def prepare(store: Store, run: EstimationRun, condition: Condition | None = None
         If the model structure does not fit the maneuver: unknown modes, inputs or
         outputs, a band without frequencies, a sensor without mode shape.
     """
+    check_extras(run.method, run.structure.extra_parameters)
     with store.reading():
+        found = _prepare_once(store, run, condition)
+        if run.result is None:
+            provenance = hash_provenance(store, run, found.aircraft_id, found.used)
+        else:
+            provenance = Provenance(
+                rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
+            )
+        return found.task.for_request(run.method, found.list_warnings(run.method), provenance)
+
+
+def _prepare_once(store: Store, run: EstimationRun, condition: Condition | None) -> _Prepared:
+    """Prepare a run, or return what was prepared from the same records.
+
+    A run that rests on others is prepared anew: its hash names them.
+    """
+    rests_on_runs = run.result is not None or run.settings.start_run_id is not None
+    if condition is not None or rests_on_runs or run.structure.fixed_to:
         return _prepare(store, run, condition)
+    ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+    maneuvers = [store.maneuvers.get(number) for number in ids]
+    run = hash_request(store, run)  # with the modal tables that it uses
+    used = run.data_hash, run.modal_table_id, run.damping_table_id, run.prediction_id
+    key = repr((maneuvers, used, run.structure, run.settings))
+    with _preparing:
+        if key in _prepared:
+            _prepared.move_to_end(key)
+            return _prepared[key]
+    found = _prepare(store, run, None)
+    recordings = [one.measurement.recording for one in found.task.maneuver_tasks]
+    if sum(samples.nbytes for one in recordings for _, samples in one.channels) < _LARGEST_PREPARED:
+        with _preparing:
+            _prepared[key] = found
+            while len(_prepared) > _MOST_PREPARED:
+                _prepared.popitem(last=False)
+    return found
 
 
-def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> EstimationTask:
+def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _Prepared:
     settings = run.settings
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.additional_maneuver_ids)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
@@ -196,7 +252,6 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         # The retained modes have their static response themselves.
         predicted = {name: t for name, t in predicted.items() if not is_residualized(name)}
     starts = select_starting_tables(store, run, predicted, inputs, body)
-    check_extras(run.method, structure.extra_parameters)
     own_model = data[0].model.with_modes(len(structure.modes))
     free = _check_names(own_model, starts, structure, settings)
     modal_errors = _compute_modal_errors([task.model for task in data], modes, free)
@@ -211,17 +266,17 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         predicted = {name: extend_table(t, nuisance.mean) for name, t in predicted.items()}
     assumed = modes.warnings if structure.modes else ()
     shape_errors = _list_shape_errors(aircraft, first, data[0].model, outputs, modes, structure)
-    request_warnings = list_request_warnings(
-        run,
-        first,
-        aircraft,
-        own_model,
-        data[0].measurement.max_omega,
-        modes.names,
-        modes.symmetric,
-    )
     drifts = tuple(text for one in maneuvers for text in warn_of_airspeed_drift(store, one))
-    return EstimationTask(
+
+    def list_warnings(method: Method) -> tuple[str, ...]:
+        max_omega = data[0].measurement.max_omega
+        of_request = list_request_warnings(
+            method, structure, first, aircraft, own_model, max_omega, modes.names, modes.symmetric
+        )
+        unknown = warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names)
+        return (*assumed, *of_request, *unknown, *drifts)
+
+    task = EstimationTask(
         method=run.method,
         settings=settings,
         structure=structure,
@@ -246,26 +301,11 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         ),
         shape_spread=modes.assumed_shape_std,
         prediction_id=None if prediction is None else prediction.id,
-        warnings=(
-            *assumed,
-            *request_warnings,
-            *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
-            *drifts,
-        ),
-        provenance=Provenance(
-            rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
-        )
-        if run.result is not None
-        else hash_provenance(
-            store,
-            run,
-            first.aircraft_id,
-            {
-                "modal table": table_ids,
-                "prediction": tuple(prediction_ids),
-            },
-        ),
+        warnings=(),  # and provenance are those of each request
+        provenance=Provenance(rests_on={}, data_hash=None, input_hash=None),
     )
+    used = {"modal table": table_ids, "prediction": tuple(prediction_ids)}
+    return _Prepared(task, first.aircraft_id, used, list_warnings)
 
 
 def select_inputs_and_outputs(

@@ -20,7 +20,7 @@ from flexsid.storage.content import hash_content, hash_maneuvers, hash_record, h
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels
 from flexsid.workflow.fits.estimation_task import METHODS
-from flexsid.workflow.modal_data.modal_tables import find_modal_tables
+from flexsid.workflow.modal_data.modal_tables import find_modal_tables, list_corrections
 
 Tables = tuple[int | None, int | None]
 
@@ -67,6 +67,8 @@ class RunHasher:
         # The saved model structure is part of the identity of a run.
         saved = [run.structure_id, run.structure_version]
         asked = [run.method.value, asdict(run.structure), saved, settings, METHODS]
+        if run.prediction_id is not None:  # of all predictions that the data include
+            asked.append({"prediction": run.prediction_id})
         return replace(
             run, data_hash=data, input_hash=hash_content([data, with_sealed_names(asked)])
         )
@@ -107,14 +109,16 @@ class RunHasher:
             tables = [t for t in (run.modal_table_id, run.damping_table_id) if t is not None]
             predictions = [p.id for p in self._store.predictions.find(aircraft_id=aircraft) if p.id]
             named = None if prediction_id is None else [prediction_id]
-            self._assumed[key] = hash_content(
-                [
-                    hash_record(self._store.database, "aircraft", [aircraft]),
-                    tables,
-                    hash_record(self._store.database, "modal_tables", tables),
-                    hash_record(self._store.database, "predictions", named or predictions),
-                ]
-            )
+            assumed: list[Any] = [
+                hash_record(self._store.database, "aircraft", [aircraft]),
+                tables,
+                hash_record(self._store.database, "modal_tables", tables),
+                hash_record(self._store.database, "predictions", named or predictions),
+            ]
+            # Names and symmetries of modes that somebody corrected; most tables have none.
+            if corrected := list_corrections(self._store, tables):
+                assumed.append(corrected)
+            self._assumed[key] = hash_content(assumed)
         return self._assumed[key]
 
 
@@ -131,7 +135,7 @@ def add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
     check_ranges(run)
     with store.reading():
         refuse_deleted(store, (run.maneuver_id, *run.settings.additional_maneuver_ids))
-        return _add_hashes(store, run)
+        return hash_request(store, run)
 
 
 def check_ranges(run: EstimationRun) -> None:
@@ -148,7 +152,8 @@ def check_ranges(run: EstimationRun) -> None:
         check_request(part)
 
 
-def _add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
+def hash_request(store: Store, run: EstimationRun) -> EstimationRun:
+    """Return a run with its hashes, unchecked."""
     involved = (run.maneuver_id, *run.settings.additional_maneuver_ids)
     return RunHasher(store, involved).hash_run(run)
 
@@ -179,7 +184,7 @@ def hash_provenance(
         for number in dict.fromkeys(numbers)
         if number is not None
     ]
-    found = _add_hashes(store, run)
+    found = hash_request(store, run)
     return Provenance(
         rests_on=hash_records(store.database, names),
         data_hash=found.data_hash,

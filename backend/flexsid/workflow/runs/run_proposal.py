@@ -344,10 +344,13 @@ def _determine_modes(
     structure = Structure(modes=inside, fixed={}, axis=body.axis)
     first = store.maneuvers.get(maneuver_ids[0])
     inputs, _ = select_inputs_and_outputs(store, first, found.aircraft, structure)
+    excited = _pick_excited(first, inputs)
+    if excited != inputs:
+        structure = replace(structure, inputs=excited)
     run = EstimationRun(
         maneuver_id=maneuver_ids[0],
         method=Method.OE,
-        structure=replace(structure, inputs=_pick_excited(first, inputs)),
+        structure=structure,
         settings=replace(settings, additional_maneuver_ids=maneuver_ids[1:]),
         modal_table_id=assumed.modal_table_id,
         damping_table_id=assumed.damping_table_id,
