@@ -126,6 +126,7 @@ def test_a_named_prediction_is_part_of_the_run(flown):
 
 def test_a_corrected_mode_is_another_run(flown):
     before = add_hashes(flown, build_run(flown))
+    assert before.modal_table_id is not None
     flown.mode_corrections.add(
         ModeCorrection(
             modal_table_id=before.modal_table_id, number=7, name="SW1B", symmetric=False, reason="x"
