@@ -68,3 +68,21 @@ it("connects again after a response that was no stream", () => {
   vi.advanceTimersByTime(10_000);
   expect(FakeSource.opened).toHaveLength(2);
 });
+
+it("reads again once it is drawn what changed before the stream was there", async () => {
+  vi.useFakeTimers();
+  const cache = listen();
+  let reads = 0;
+  const queryFn = () => Promise.resolve(++reads);
+  new QueryObserver(cache, { queryKey: ["runs"], queryFn }).subscribe(() => undefined);
+  await vi.advanceTimersByTimeAsync(100);
+  const stream = FakeSource.opened[0];
+  stream?.onopen?.();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(reads).toBe(1);
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(reads).toBe(2);
+  stream?.onopen?.(); // connected again: what happened meanwhile is read at once
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(reads).toBe(3);
+});

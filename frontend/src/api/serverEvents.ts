@@ -7,6 +7,8 @@ import { isOver, type Job } from "./types";
 /** Read again, together and not more often than this, however much happens. */
 const REST_MS = 700;
 const RECONNECT_MS = 3000;
+/** A page that opens is drawn before it is read again. */
+const SETTLED_MS = 1500;
 const LISTS = [
   ...[["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"], ["searches"]],
   ["quality", "list"],
@@ -43,10 +45,14 @@ export function useServerEvents() {
     };
     let stream: EventSource;
     let timer: number | undefined;
+    let first: number | undefined;
     const connect = () => {
       stream = new EventSource("/api/v1/events");
       // What happened before the stream was there, or while it was lost.
-      stream.onopen = refreshAll;
+      stream.onopen = () => {
+        if (first === undefined) first = window.setTimeout(refreshAll, SETTLED_MS);
+        else refreshAll();
+      };
       stream.onerror = () => {
         renewRecords(cache, ["health"]);
         // After a response that is no stream, as of a proxy, the browser does not connect again.
@@ -70,6 +76,7 @@ export function useServerEvents() {
     connect();
     return () => {
       window.clearTimeout(timer);
+      window.clearTimeout(first);
       stream.close();
     };
   }, [cache]);

@@ -202,13 +202,14 @@ export function Figure({ kind, params: given, title, height, revision, window, .
   );
 }
 
-/** Fetches a figure before what is around it is known; without parameters there is none. */
+/** Fetches a figure, and Plotly, before what is around is known; without parameters neither. */
 export function usePrefetchedFigure(kind: string, given: Record<string, QueryValue> | null) {
   const cache = useQueryClient();
   const units = useUnitParameters();
   const key = given && JSON.stringify({ ...given, ...units });
   useEffect(() => {
     if (key === null) return;
+    loadPlotly().catch(() => undefined);
     const request = figureQuery(kind, JSON.parse(key) as Record<string, QueryValue>);
     cache.query(request).catch(() => undefined); // the figure itself reports it
   }, [cache, kind, key]);
