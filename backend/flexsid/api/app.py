@@ -29,8 +29,9 @@ from flexsid.api.middleware.limits import THREADS, BodyLimit, WriteLimit
 from flexsid.api.middleware.request_coalescing import RequestCoalescing
 from flexsid.api.middleware.request_log import RequestLog, RequestMetrics, add_metrics
 from flexsid.api.middleware.security import SecurityMiddleware
+from flexsid.api.middleware.tables import TableFiles
 from flexsid.api.parameters import DESCRIPTION
-from flexsid.api.router import make_operation_id
+from flexsid.api.router import PREFIX, make_operation_id
 from flexsid.api.routes import (
     aircraft,
     analyses,
@@ -178,6 +179,7 @@ def request_due_backup(store: Store, hours: int, request: BackupRequest) -> bool
 
 # --- The FastAPI application: database, dispatcher, routes and frontend ---------------------------
 
+_OPENAPI = f"{PREFIX}/openapi.json"
 _LEAST_COMPRESSED = 1024  # [bytes]
 _LEVEL = 4  # of zlib: JSON is 7 % larger than by level 6, in two thirds of the time
 
@@ -270,7 +272,7 @@ def create_app(
         description=DESCRIPTION,
         version=flexsid.__version__,
         lifespan=lifespan,
-        openapi_url="/api/v1/openapi.json",
+        openapi_url=_OPENAPI,
         docs_url=None,
         redoc_url=None,
         generate_unique_id_function=make_operation_id,
@@ -310,6 +312,7 @@ def create_app(
     add_docs(app)
     add_page(app, find_start=find_start)
     add_error_handlers(app)
+    app.add_middleware(TableFiles, prefix=f"{PREFIX}/", own=(_OPENAPI, f"{PREFIX}/figures/"))
     app.add_middleware(WriteLimit)
     app.add_middleware(BodyLimit)
     # Streams of events are excluded; equal requests share what is compressed once.

@@ -24,7 +24,9 @@ T = TypeVar("T")
 
 DESCRIPTION = (
     "A query parameter that a route does not have is refused with 422 and the code"
-    " `unknown-parameter`, one that is given twice with `repeated-parameter`."
+    " `unknown-parameter`, one that is given twice with `repeated-parameter`. With `.csv` or"
+    " `.json` behind its address a GET returns one table of its response, all pages of a list,"
+    " with all digits: `/runs/3.csv?table=parameters`."
 )
 
 # Requests of an OpenID provider, which may add parameters (RFC 6749, section 4.1.2).

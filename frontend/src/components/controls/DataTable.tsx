@@ -1,7 +1,15 @@
 import { Menu } from "@mantine/core";
 import { useRef, useState, type ReactNode, type RefObject } from "react";
 import { saveText } from "../../lib/text/csv";
-import { copyText, tableCsv, tableJson, tableText } from "../../lib/text/tableText";
+import {
+  areRecords,
+  copyText,
+  recordsCsv,
+  recordsJson,
+  tableCsv,
+  tableJson,
+  tableText,
+} from "../../lib/text/tableText";
 import { SymbolTooltip } from "../display/SymbolTooltip";
 
 export interface Column<Row> {
@@ -90,22 +98,25 @@ export function DataTable<Row>(props: Props<Row>) {
           </tbody>
         </table>
       </div>
-      {rows.length > 0 && <CopyTable table={table} label={label} />}
+      {rows.length > 0 && <CopyTable table={table} rows={rows} label={label} />}
     </>
   );
 }
 
 const FILES = [
-  ["csv", tableCsv, "text/csv"],
-  ["json", tableJson, "application/json"],
+  ["csv", tableCsv, recordsCsv, "text/csv"],
+  ["json", tableJson, recordsJson, "application/json"],
 ] as const;
 
-/** Copies the rows that are shown, tab-separated, or saves them as a file. */
+/** Copies the rows as they are shown, tab-separated, or saves them with all digits as a file. */
 export function CopyTable({
   table,
+  rows,
   label,
 }: {
   table: RefObject<HTMLTableElement | null>;
+  /** What the rows show; without it the files have what is shown. */
+  rows?: readonly unknown[];
   label: string;
 }) {
   const [state, setState] = useState<"" | "copied" | "failed">("");
@@ -135,12 +146,16 @@ export function CopyTable({
           >
             Copy for a spreadsheet
           </Menu.Item>
-          {FILES.map(([suffix, write, type]) => (
+          {FILES.map(([suffix, writeShown, writeRecords, type]) => (
             <Menu.Item
               key={suffix}
               onClick={() => {
-                if (table.current !== null)
-                  saveText(write(table.current), `${name}.${suffix}`, type);
+                if (table.current === null) return;
+                const text =
+                  rows !== undefined && areRecords(rows)
+                    ? writeRecords(rows)
+                    : writeShown(table.current);
+                saveText(text, `${name}.${suffix}`, type);
               }}
             >
               {suffix.toUpperCase()}

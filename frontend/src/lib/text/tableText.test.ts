@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { tableCsv, tableJson, tableText } from "./tableText";
+import { areRecords, recordsCsv, recordsJson, tableCsv, tableJson, tableText } from "./tableText";
 
 test("a table is copied and saved as spreadsheets and programs read it", () => {
   document.body.innerHTML = `
@@ -21,4 +21,20 @@ test("a table is copied and saved as spreadsheets and programs read it", () => {
       ["delay", null],
     ],
   });
+});
+
+test("writes records with all digits, and objects within them by dotted names", () => {
+  const rows = [
+    { name: "CZ_alpha", value: -4.600000000000001, shares: { noise: 0.25 }, tests: [1, 2] },
+    { name: "=1+1", value: null, shares: { noise: 0.5 }, suspect: true },
+  ];
+  expect(recordsCsv(rows)).toBe(
+    "name,value,shares.noise,tests,suspect\r\n" +
+      'CZ_alpha,-4.600000000000001,0.25,"[1,2]",\r\n' +
+      "'=1+1,,0.5,,true\r\n",
+  );
+  expect(JSON.parse(recordsJson(rows))).toEqual(rows);
+  expect(areRecords(rows)).toBe(true);
+  expect(areRecords(["a"])).toBe(false);
+  expect(areRecords([{ show: () => "a" }])).toBe(false);
 });

@@ -40,6 +40,45 @@ export function tableJson(table: HTMLTableElement): string {
   return `${JSON.stringify({ columns, data: rows.map((row) => row.map(valueOf)) }, null, 1)}\n`;
 }
 
+type Row = Record<string, unknown>;
+
+const isObject = (value: unknown): value is Row =>
+  typeof value === "object" && value !== null && !Array.isArray(value);
+
+/** Whether rows are data, and nothing that only a page can show. */
+export const areRecords = (rows: readonly unknown[]): rows is readonly Row[] =>
+  rows.every(
+    (row) =>
+      isObject(row) &&
+      Object.values(row).every((value) => typeof value !== "function" && !isElement(value)),
+  );
+
+const isElement = (value: unknown) => isObject(value) && "$$typeof" in value;
+
+/** A row with dotted names in place of objects within it, as the interface writes its tables. */
+function flat(row: Row, name = ""): Row {
+  const parts = Object.entries(row).map(([key, value]) => {
+    const whole = name === "" ? key : `${name}.${key}`;
+    return isObject(value) ? flat(value, whole) : { [whole]: value };
+  });
+  return Object.assign({}, ...parts) as Row;
+}
+
+function plain(value: unknown): string | number | null {
+  if (value === null || value === undefined) return null;
+  return typeof value === "string" || typeof value === "number" ? value : JSON.stringify(value);
+}
+
+/** Rows with all their digits as a CSV file, columns by their names in the interface. */
+export function recordsCsv(rows: readonly Row[]): string {
+  const flattened = rows.map((row) => flat(row));
+  const columns = [...new Set(flattened.flatMap((row) => Object.keys(row)))];
+  return csv([columns, ...flattened.map((row) => columns.map((name) => plain(row[name])))]);
+}
+
+/** Rows with all their digits as a JSON file. */
+export const recordsJson = (rows: readonly Row[]): string => `${JSON.stringify(rows, null, 1)}\n`;
+
 /** Copies a text; rejected where the page is not served securely or the browser refuses. */
 export async function copyText(text: string): Promise<void> {
   await navigator.clipboard.writeText(text);
