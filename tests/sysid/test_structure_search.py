@@ -180,6 +180,8 @@ def test_standard_errors_include_the_bias_by_dropped_terms(weak):
     for values in rng.multivariate_normal(truth, covariance, size=150):
         row = compute_evidence(build_estimate(names, values, covariance), names, 80.0)
         term = select_stepwise([row]).terms[0]
+        assert term.value is not None
+        assert term.std_error is not None
         error = abs(term.value - truth[0])
         inside.append(error < 2.0 * term.std_error)
         plain.append(error < 2.0 * information[0, 0] ** -0.5)
