@@ -127,7 +127,12 @@ def go_through_doors(
     for method, run in runs.items():
         if run["state"] != "succeeded":
             continue
-        if method in predicted and (found := predict_flutter(client, faults, run["id"])):
+        converged = run["fit"]["outcome"] == "converged"
+        if (
+            method in predicted
+            and converged
+            and (found := predict_flutter(client, faults, run["id"]))
+        ):
             flutter.append(judge_flutter(flight.aircraft, method, found))
         if method not in searched:
             continue
@@ -136,8 +141,9 @@ def go_through_doors(
     values, widths = [], None
     run = runs.get("OE")
     if airspeeds and run is not None and run["state"] == "succeeded":
-        live = follow_live(client, faults, maneuver, run["id"])
-        values.append(judge_live(flight.aircraft, n_known, live))
+        if flight.record.records_commands:  # a stream needs them
+            live = follow_live(client, faults, maneuver, run["id"])
+            values.append(judge_live(flight.aircraft, n_known, live))
         inputs, multisine = flight.aircraft.truth.inputs, flight.record.multisine
         simulated = simulate_design(client, faults, multisine, inputs, run["id"])
         values.append(judge_simulation(simulated))
