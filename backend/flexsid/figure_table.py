@@ -290,7 +290,7 @@ class _Spectrum(_Channels):
 class _PlotMatrix(_Channels):
     domain: Domain = "time"
     modes: _Ids = Field(
-        None, description="Mode numbers: draws the equation-error regressors instead."
+        None, description="Mode numbers: draws the equation-error regressors of the default run."
     )
 
 

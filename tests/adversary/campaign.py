@@ -11,10 +11,13 @@ import numpy as np
 from doors import (
     METHODS,
     Faults,
+    fit_global_model,
+    follow_live,
     import_flight,
     predict_flutter,
     run_methods,
     search_structure,
+    simulate_design,
 )
 from drawn_aircraft import (
     Aircraft,
@@ -32,13 +35,20 @@ from user_files import write_files
 from verdicts import (
     FlutterVerdict,
     SearchVerdict,
+    ValuesVerdict,
     Verdict,
+    WidthVerdict,
     judge_flutter,
+    judge_global_model,
+    judge_live,
     judge_run,
     judge_search,
+    judge_simulation,
+    judge_widths,
 )
 
 ROWS = 24_000  # of a record, at most
+AIRSPEEDS = (0.93, 0.86, 0.8)  # of further flights, over that of the first
 
 
 @dataclass(frozen=True)
@@ -49,6 +59,7 @@ class Flight:
     knowledge: Knowledge
     record: Record
     in_band: int  # modes of the truth in the band
+    seeds: tuple[int, ...]  # of further flights
 
     @property
     def traits(self) -> tuple[str, ...]:
@@ -70,6 +81,8 @@ class Outcome:
     faults: tuple[str, ...]
     flutter: tuple[FlutterVerdict, ...] = ()
     searches: tuple[SearchVerdict, ...] = ()
+    values: tuple[ValuesVerdict, ...] = ()
+    widths: WidthVerdict | None = None
 
 
 def draw_flight(seed: int, index: int, rows: int = ROWS) -> Flight:
@@ -85,7 +98,7 @@ def draw_flight(seed: int, index: int, rows: int = ROWS) -> Flight:
         knowledge = draw_knowledge(rng, aircraft, draw_assumptions(own, aircraft))
         in_band = int(rng.integers(2, 5))
         record = fly(rng, aircraft, in_band=in_band, rows=rows)
-        return Flight(aircraft, knowledge, record, in_band)
+        return Flight(aircraft, knowledge, record, in_band, (seed, index, attempt, 2))
     raise AssertionError("no aircraft was drawn")
 
 
@@ -94,8 +107,13 @@ def go_through_doors(
     flight: Flight,
     searched: Sequence[str] = METHODS,
     predicted: Sequence[str] = METHODS,
+    airspeeds: Sequence[float] = AIRSPEEDS,
 ) -> Outcome:
-    """Import a flight, run, predict flutter and search, all with their defaults."""
+    """Import a flight, run, predict flutter and search, all with their defaults.
+
+    At ``airspeeds``, over that of the flight, the aircraft flies again; with any, all further doors
+    are gone through with runs by output error.
+    """
     faults = Faults([])
     with tempfile.TemporaryDirectory() as name:
         files, mapping = write_files(Path(name), flight.aircraft, flight.knowledge, flight.record)
@@ -109,10 +127,60 @@ def go_through_doors(
     for method, run in runs.items():
         if run["state"] != "succeeded":
             continue
-        if method in predicted and (found := predict_flutter(client, faults, run["id"])):
+        converged = run["fit"]["outcome"] == "converged"
+        if (
+            method in predicted
+            and converged
+            and (found := predict_flutter(client, faults, run["id"]))
+        ):
             flutter.append(judge_flutter(flight.aircraft, method, found))
         if method not in searched:
             continue
         if search := search_structure(client, faults, maneuver, method):
             searches.append(judge_search(flight.aircraft, n_known, method, search, run))
-    return Outcome(flight, tuple(verdicts), tuple(faults.found), tuple(flutter), tuple(searches))
+    values, widths = [], None
+    run = runs.get("OE")
+    if airspeeds and run is not None and run["state"] == "succeeded":
+        if flight.record.records_commands:  # a stream needs them
+            live = follow_live(client, faults, maneuver, run["id"])
+            values.append(judge_live(flight.aircraft, n_known, live))
+        inputs, multisine = flight.aircraft.truth.inputs, flight.record.multisine
+        simulated = simulate_design(client, faults, multisine, inputs, run["id"])
+        values.append(judge_simulation(simulated))
+        ids = [run["id"], *fly_again(client, faults, flight, airspeeds)]
+        predictions = [predict_flutter(client, faults, *ids[: k + 1]) for k in range(len(ids))]
+        widths = judge_widths(flight.aircraft, "OE", predictions)
+        model = fit_global_model(client, faults, ids)
+        values.append(judge_global_model(flight.aircraft, n_known, model))
+    return Outcome(
+        flight, tuple(verdicts), tuple(faults.found), tuple(flutter), tuple(searches),
+        tuple(values), widths,
+    )  # fmt: skip
+
+
+def fly_again(
+    client: Client, faults: Faults, flight: Flight, airspeeds: Sequence[float]
+) -> list[int]:
+    """Fly an aircraft at further airspeeds, over that of its flight; return the default runs."""
+    found = []
+    for k, ratio in enumerate(airspeeds):
+        aircraft = replace(
+            flight.aircraft,
+            airspeed=ratio * flight.aircraft.airspeed,
+            alpha=flight.aircraft.alpha / ratio**2,
+        )
+        record = fly(
+            np.random.default_rng([*flight.seeds, k]),
+            aircraft,
+            in_band=flight.in_band,
+            rows=len(flight.record.outputs),
+        )
+        with tempfile.TemporaryDirectory() as name:
+            files = write_files(Path(name), aircraft, flight.knowledge, record, k + 2)
+            maneuver = import_flight(client, faults, *files)
+        if maneuver is None:
+            continue
+        run = run_methods(client, faults, maneuver, ("OE",)).get("OE")
+        if run is not None and run["state"] == "succeeded":
+            found.append(run["id"])
+    return found

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from shipped import Client
+from simulated_flight import Multisine
 
 METHODS = ("OE", "FRE", "EE")
+LIVE_SPEED = 20.0  # times real time
 
 
 @dataclass(frozen=True)
@@ -47,9 +51,11 @@ def import_flight(client: Client, faults: Faults, files: list[Path], mapping: st
     return ended["result"]["maneuver_id"]
 
 
-def run_methods(client: Client, faults: Faults, maneuver: int) -> dict[str, dict[str, Any]]:
+def run_methods(
+    client: Client, faults: Faults, maneuver: int, methods: Sequence[str] = METHODS
+) -> dict[str, dict[str, Any]]:
     """Request a run by each method with nothing but its maneuver."""
-    bodies = {method: {"maneuver_id": maneuver, "method": method} for method in METHODS}
+    bodies = {method: {"maneuver_id": maneuver, "method": method} for method in methods}
     asked = {m: faults.check(client, "post", "runs", body) for m, body in bodies.items()}
     return {m: wait_for_end(client, f"runs/{run['id']}") for m, run in asked.items() if run}
 
@@ -66,14 +72,76 @@ def search_structure(
     return wait_for_end(client, f"searches/{search['id']}") if search else None
 
 
-def predict_flutter(client: Client, faults: Faults, run: int) -> dict[str, Any] | None:
-    """Predict flutter from one run."""
-    path = f"flutter/results?run_ids={run}"
-    job = faults.check(client, "post", path)
-    if job is None:
+def predict_flutter(client: Client, faults: Faults, *runs: int) -> dict[str, Any] | None:
+    """Predict flutter from runs."""
+    return _analyse(client, faults, "flutter", runs)
+
+
+def fit_global_model(client: Client, faults: Faults, runs: Sequence[int]) -> dict[str, Any] | None:
+    """Fit a global model to runs."""
+    return _analyse(client, faults, "global-models", runs)
+
+
+def _analyse(
+    client: Client, faults: Faults, noun: str, runs: Sequence[int]
+) -> dict[str, Any] | None:
+    query = f"run_ids={','.join(map(str, runs))}"
+    job = faults.check(client, "post", f"{noun}/results?{query}")
+    if job is None or not _succeeds(client, faults, job, noun):
         return None
+    return faults.check(client, "get", f"{noun}?{query}")
+
+
+def _succeeds(client: Client, faults: Faults, job: dict[str, Any], what: str) -> bool:
     ended = wait_for_end(client, f"jobs/{job['id']}")
     if ended["state"] != "succeeded":
-        faults.found.append(f"{path}: {ended['error']}")
+        faults.found.append(f"{what}: {ended['error']}")
+    return ended["state"] == "succeeded"
+
+
+def follow_live(client: Client, faults: Faults, maneuver: int, run: int) -> list[dict[str, Any]]:
+    """Replay a maneuver as a stream with the model of a run; return its estimates in order."""
+    receiver = {"name": "replay", "options": {"maneuver_id": maneuver, "speed": LIVE_SPEED}}
+    body = {"run_id": run, "title": "adversary", "receiver": receiver}
+    stream = faults.check(client, "post", "live/streams", body)
+    if stream is None:
+        return []
+    path = f"live/streams/{stream['id']}"
+    while client.get(path)["stream"]["status"] == "running":
+        time.sleep(0.1)
+    states = client.get(f"{path}/history")["states"]
+    return [one["state"]["estimate"] for one in states if one["state"]["estimate"]]
+
+
+def simulate_design(
+    client: Client, faults: Faults, multisine: Multisine, inputs: Sequence[str], run: int
+) -> dict[str, Any] | None:
+    """Design the harmonics that were flown again, and simulate their flight with a run's model."""
+    peaks = np.abs(multisine.commands).max(axis=0)
+    top_hz = multisine.list_harmonics(len(inputs) - 1)[-1] / multisine.period
+    largest = float(peaks.max())
+    body = {
+        "name": f"design for run {run}",
+        "duration_s": multisine.period,
+        "rate_hz": float(np.ceil(10 * top_hz)),
+        "peaks": [largest / 2, largest, 2 * largest],
+        "effort": "quick",
+        "inputs": [
+            {
+                "name": name,
+                "harmonics": multisine.list_harmonics(k),
+                "relative_peak": float(peaks[k]) / largest,
+            }
+            for k, name in enumerate(inputs)
+        ],
+    }
+    design = faults.check(client, "post", "designs", body)
+    if design is None:
         return None
-    return faults.check(client, "get", f"flutter?run_ids={run}")
+    path = f"designs/{design['id']}/preflight-simulations"
+    job = faults.check(client, "post", path, {"run_id": run})
+    if job is None or not _succeeds(client, faults, job, path):
+        return None
+    while (found := client.get(path)["items"][0])["state"] in ("queued", "running"):
+        time.sleep(0.1)
+    return found

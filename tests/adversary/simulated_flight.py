@@ -22,6 +22,11 @@ class Multisine:
     per_input: int
     commands: np.ndarray  # one period at the rate of the simulation, a column for each input
 
+    def list_harmonics(self, k: int) -> list[int]:
+        """Return the harmonics of an input."""
+        n_inputs = self.commands.shape[1]
+        return [self.first + self.stride * (k + n_inputs * m) for m in range(self.per_input)]
+
 
 @dataclass(frozen=True)
 class Record:

@@ -10,6 +10,8 @@ from campaign import Outcome
 from doors import METHODS
 from verdicts import Error, FlutterVerdict, SearchVerdict, Verdict
 
+_NEAR = (0.8, 1.25)  # of an expected standard error over the one found
+_GROWTH = 1.2  # of an interval of flutter by one more run
 WITHIN = 2.0  # standard errors, which hold 95.4 % of normal errors
 _OUTCOMES = ("consistent", "suspect", "not tested", "not converged", "failed")
 
@@ -27,7 +29,7 @@ def format_table(outcomes: Sequence[Outcome]) -> str:
         errors = [_errors(one for one in own if one.outcome == state) for own in by_method]
         lines += _row(f"within ±2σ, {state}", *map(_coverage, errors))
         lines += _row(f"σ over rms error, {state}", *map(_ratio, errors))
-    lines += _format_flutter(outcomes) + _format_searches(outcomes)
+    lines += _format_flutter(outcomes) + _format_searches(outcomes) + _format_further(outcomes)
     errors = [_errors(own) for own in by_method]
     for kind in sorted({one.kind for own in errors for one in own}):
         own = [[one for one in some if one.kind == kind] for some in errors]
@@ -65,6 +67,32 @@ def _format_searches(outcomes: Sequence[Outcome]) -> str:
         )
     errors = [[error for one in some for error in one.errors] for some in own]
     return lines + _row("search: values within ±2σ", *map(_coverage, errors))
+
+
+def _format_further(outcomes: Sequence[Outcome]) -> str:
+    """Format the doors that are gone through with runs by the first method."""
+    lines, blank = "", [""] * (len(METHODS) - 1)
+    values = [one for outcome in outcomes for one in outcome.values]
+    for door in sorted({one.door for one in values}):
+        own = [one for one in values if one.door == door]
+        states = ", ".join(f"{n} {s}" for s, n in Counter(one.outcome for one in own).items())
+        lines += _row(door, states, *blank)
+        errors = [error for one in own for error in one.errors]
+        lines += _row(f"{door}: values within ±2σ", _coverage(errors), *blank)
+        ratios = np.array([ratio for one in own for ratio in one.ratios])
+        if ratios.size:
+            near = np.mean((ratios >= _NEAR[0]) & (ratios <= _NEAR[1]))
+            text = f"{100 * near:.0f} % of {ratios.size}"
+            lines += _row(f"{door}: expected over found σ within 0.8 to 1.25", text, *blank)
+    widths = [one.widths for one in outcomes if one.widths is not None]
+    if widths:
+        growth = np.array([one.growth for one in widths])
+        lost = np.sum(np.isinf(growth))
+        text = f"{np.sum(growth > _GROWTH)} of {growth.size}, {lost} of them lost"
+        lines += _row("flutter: interval more than 1.2 times wider by a run", text, *blank)
+        holds = sum(one.last.outcome == "holds" for one in widths)
+        lines += _row("flutter: interval of all runs holds", f"{holds} of {len(widths)}", *blank)
+    return lines
 
 
 def compute_coverage(verdicts: Iterable[Verdict]) -> float:

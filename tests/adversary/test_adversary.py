@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from campaign import draw_flight, go_through_doors
+from campaign import AIRSPEEDS, draw_flight, go_through_doors
 from doors import METHODS
 from shipped import serving
 from table import compute_coverage, format_table
@@ -22,17 +22,21 @@ TRUSTED_COVERAGE, LEAST_COVERAGE = 0.8, 0.6
 
 
 @pytest.mark.parametrize(
-    ("predicted", "searched"),
-    [(("EE",), ()), pytest.param(METHODS, ("OE",), marks=pytest.mark.long)],
+    ("predicted", "searched", "airspeeds"),
+    [(("EE",), (), ()), pytest.param(METHODS, ("OE",), AIRSPEEDS, marks=pytest.mark.long)],
 )
 def test_a_drawn_aircraft_goes_through_the_doors(
-    tmp_path: Path, predicted: tuple[str, ...], searched: tuple[str, ...]
+    tmp_path: Path,
+    predicted: tuple[str, ...],
+    searched: tuple[str, ...],
+    airspeeds: tuple[float, ...],
 ) -> None:
     flight = draw_flight(SEED, INDEX, ROWS)
     with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
         client = server.connect()
-        outcome = go_through_doors(client, flight, searched, predicted)
-        kept = [client.get(f"runs/{run['id']}") for run in client.get("runs")["items"]]
+        outcome = go_through_doors(client, flight, searched, predicted, airspeeds)
+        runs = [run for run in client.get("runs")["items"] if run["maneuver_id"] == 1]
+        kept = [client.get(f"runs/{run['id']}") for run in runs]
         numbers = ",".join(str(run["id"]) for run in kept)
         compared = client.get(f"comparisons?run_ids={numbers}")
     assert outcome.faults == ()
@@ -45,6 +49,8 @@ def test_a_drawn_aircraft_goes_through_the_doors(
     for one in outcome.searches:
         assert one.outcome != "failed"
         assert one.outcome == "undecided" or not one.missed, one
+    assert len(outcome.values) == (3 if airspeeds else 0)
+    assert {one.outcome for one in outcome.values} <= {"estimates", "no standard errors"}
     for one in outcome.verdicts:
         trusted = one.outcome == "consistent"
         assert not trusted or compute_coverage([one]) >= TRUSTED_COVERAGE, one

@@ -16,19 +16,23 @@ _UNITS = {
 
 
 def write_files(
-    folder: Path, aircraft: Aircraft, knowledge: Knowledge, record: Record
+    folder: Path, aircraft: Aircraft, knowledge: Knowledge, record: Record, number: int = 1
 ) -> tuple[list[Path], str]:
-    """Return the files of a flight, and the text of their mapping."""
-    files = [folder / "record.csv", folder / "models.npz"]
+    """Return the files of a flight, and the text of their mapping.
+
+    The first flight of an aircraft has its models, the others name it.
+    """
+    files = [folder / "record.csv"]
     _write_record(files[0], aircraft, record)
+    maneuver = _describe_maneuver(aircraft, knowledge, record, number)
+    channels = _describe_channels(aircraft, record)
+    if number > 1:
+        return files, "\n".join((f'[aircraft]\nname = "{aircraft.name}"', maneuver, channels))
+    files.append(folder / "models.npz")
     _write_models(files[1], aircraft, knowledge)
-    parts = (
-        _describe_aircraft(aircraft, knowledge, record),
-        _describe_maneuver(aircraft, knowledge, record),
-        _describe_channels(aircraft, record),
-        _describe_models(aircraft, knowledge),
-    )
-    return files, "\n".join(parts)
+    described = _describe_aircraft(aircraft, knowledge, record)
+    models = _describe_models(aircraft, knowledge)
+    return files, "\n".join((described, maneuver, channels, models))
 
 
 def _write_record(file: Path, aircraft: Aircraft, record: Record) -> None:
@@ -105,13 +109,15 @@ def _describe_aircraft(aircraft: Aircraft, knowledge: Knowledge, record: Record)
     return "\n".join(lines)
 
 
-def _describe_maneuver(aircraft: Aircraft, knowledge: Knowledge, record: Record) -> str:
+def _describe_maneuver(
+    aircraft: Aircraft, knowledge: Knowledge, record: Record, number: int
+) -> str:
     multisine, airspeed = record.multisine, knowledge.assumed.airspeed * aircraft.airspeed
     order = ", ".join(f'"{name}"' for name in aircraft.truth.inputs)
     return f"""[flight]
-number = 1
+number = {number}
 [maneuver]
-label = "multisine"
+label = "multisine {number}"
 axis = "longitudinal"
 condition.airspeed = {_quantity(airspeed, "m/s")}
 condition.density = {_quantity(aircraft.density, "kg/m3")}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -62,19 +64,24 @@ def judge_run(aircraft: Aircraft, n_known: int, method: str, run: dict[str, Any]
         return Verdict(method, "failed")
     truth = name_derivatives(residualize(aircraft, aircraft.truth, n_known))
     found = [one for one in run["parameters"] if one["name"] in truth]
-    errors = tuple(
+    errors = compute_errors(truth, found)
+    state = run["adequacy"]["state"]
+    converged = run["fit"]["outcome"] == "converged"
+    outcome = state if converged else "not converged"
+    return Verdict(method, outcome, errors, len(found) - len(errors))
+
+
+def compute_errors(truth: dict[str, float], found: Iterable[dict[str, Any]]) -> tuple[Error, ...]:
+    """Return the errors of the values that have a truth and a standard error."""
+    return tuple(
         Error(
             one["name"],
             classify(one["name"]),
             (one["value"] - truth[one["name"]]) / one["std_error"],
         )
         for one in found
-        if one["std_error"]
+        if one["name"] in truth and one["value"] is not None and one["std_error"]
     )
-    state = run["adequacy"]["state"]
-    converged = run["fit"]["outcome"] == "converged"
-    outcome = state if converged else "not converged"
-    return Verdict(method, outcome, errors, len(found) - len(errors))
 
 
 @dataclass(frozen=True)
@@ -133,17 +140,86 @@ def judge_search(
     strong = {name for name, ratio in size.items() if ratio >= STRONG}
     # Modes that the table lacks give planted zeros a static part; where it is small they are zero.
     zeros = {name for name in size if name in planted and name in sigma and size[name] < 0.5}
-    errors = tuple(
-        Error(
-            one["name"],
-            classify(one["name"]),
-            (one["value"] - truth[one["name"]]) / one["std_error"],
-        )
-        for one in terms
-        if one["selected"] and one["value"] is not None and one["std_error"]
-    )
+    errors = compute_errors(truth, (one for one in terms if one["selected"]))
     return SearchVerdict(
         method, "proposes" if proposes else "undecided",
         len(strong), tuple(sorted(strong - selected)),
         len(zeros), tuple(sorted(zeros & selected)), errors,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class WidthVerdict:
+    """Intervals of flutter of one run, of two runs and so on.
+
+    ``growth`` is the largest factor by which one more run widened the interval, infinite where it
+    then had none.
+    """
+
+    growth: float
+    last: FlutterVerdict
+
+
+def judge_widths(
+    aircraft: Aircraft, method: str, found: list[dict[str, Any] | None]
+) -> WidthVerdict | None:
+    """Compare the intervals of flutter of one run, two runs and so on; None without any."""
+    stated = [one for one in found if one is not None]
+    widths = [
+        np.inf if one["low_m_s"] is None or one["high_m_s"] is None
+        else one["high_m_s"] - one["low_m_s"]
+        for one in stated
+    ]  # fmt: skip
+    factors = [after / before for before, after in pairwise(widths) if np.isfinite(before)]
+    if not factors:
+        return None
+    return WidthVerdict(max(factors), judge_flutter(aircraft, method, stated[-1]))
+
+
+@dataclass(frozen=True)
+class ValuesVerdict:
+    """Values of the live estimate, of a global model, or of a simulated flight of a design.
+
+    ``ratios`` are the expected standard errors of a design over those of its simulated flight.
+    """
+
+    door: str
+    outcome: str
+    errors: tuple[Error, ...] = ()
+    ratios: tuple[float, ...] = ()
+
+
+def judge_live(aircraft: Aircraft, n_known: int, estimates: list[dict[str, Any]]) -> ValuesVerdict:
+    """Compare the last live estimate with the truth."""
+    if not estimates:
+        return ValuesVerdict("live", "no estimate")
+    truth = name_derivatives(residualize(aircraft, aircraft.truth, n_known))
+    last = estimates[-1]
+    rows = zip(last["names"], last["values"], last["std_errors"], strict=True)
+    errors = compute_errors(
+        truth, ({"name": name, "value": value, "std_error": std} for name, value, std in rows)
+    )
+    return ValuesVerdict("live", "estimates" if errors else "no standard errors", errors)
+
+
+def judge_global_model(
+    aircraft: Aircraft, n_known: int, found: dict[str, Any] | None
+) -> ValuesVerdict:
+    """Compare a global model with the derivatives, which do not depend on the airspeed."""
+    if found is None:
+        return ValuesVerdict("global model", "refused")
+    truth = name_derivatives(residualize(aircraft, aircraft.truth, n_known))
+    errors = compute_errors(truth, found["derivatives"])
+    return ValuesVerdict("global model", "estimates", errors)
+
+
+def judge_simulation(found: dict[str, Any] | None) -> ValuesVerdict:
+    """Compare a simulated flight with the model that flew, and the expected standard errors."""
+    if found is None or found["state"] != "succeeded":
+        return ValuesVerdict("simulated design", "refused" if found is None else found["state"])
+    rows = [{**one, "value": one["estimate"]} for one in found["derivatives"]]
+    errors = compute_errors({one["name"]: one["flown"] for one in rows}, rows)
+    ratios = tuple(
+        one["expected"] / one["std_error"] for one in rows if one["expected"] and one["std_error"]
+    )
+    return ValuesVerdict("simulated design", "estimates", errors, ratios)

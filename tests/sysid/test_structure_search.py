@@ -167,6 +167,28 @@ def test_terms_that_a_run_holds_are_never_dropped(make_case):
         assert find_absent(held) == ["CZ_etadot7"]
 
 
+@pytest.mark.parametrize("weak", [0.0, 3.0])
+def test_standard_errors_include_the_bias_by_dropped_terms(weak):
+    """A correlated term of three standard errors is dropped, but not zero: nine of ten draws are
+    then within two standard errors, without the bias four of ten.
+    """
+    rng = np.random.default_rng(4)
+    information = np.array([[1.0, 0.6], [0.6, 1.0]])
+    covariance = np.linalg.inv(information)
+    names, truth = ("CZ_a", "CZ_b"), np.array([30.0, weak * covariance[1, 1] ** 0.5])
+    inside, plain = [], []
+    for values in rng.multivariate_normal(truth, covariance, size=150):
+        row = compute_evidence(build_estimate(names, values, covariance), names, 80.0)
+        term = select_stepwise([row]).terms[0]
+        assert term.value is not None
+        assert term.std_error is not None
+        error = abs(term.value - truth[0])
+        inside.append(error < 2.0 * term.std_error)
+        plain.append(error < 2.0 * information[0, 0] ** -0.5)
+    assert np.mean(inside) > 0.86
+    assert np.mean(plain) < 0.6 or not weak
+
+
 def test_terms_without_standard_errors_have_no_evidence():
     estimate = build_estimate(("CZ_a", "CZ_b"), np.ones(2), np.diag([1.0, np.nan]))
     with pytest.raises(NotIdentifiable, match="CZ_b have no standard error"):

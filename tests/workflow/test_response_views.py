@@ -13,7 +13,12 @@ from flexsid.errors import BadInput
 from flexsid.figures.bode import View, draw_bode
 from flexsid.figures.estimates import draw_plot_matrix
 from flexsid.figures.excitation import draw_spectrum
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.sysid.regression.joint_equation_error import reconstruct_with_out_of_band_modes
+from flexsid.workflow.fits.equation_error_fit import fit_consistent_equation_error
+from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.views.bode import compute_bode
 from flexsid.workflow.views.maneuver import compute_spectrum
 from flexsid.workflow.views.run import compute_plot_matrix
@@ -54,6 +59,24 @@ def test_periods_that_repeat_are_coherent(store, pair):
     assert compute_bode(store, pair[0], ("q",), ("bfs",)).measured[0].coherence is None
     spec = draw_bode(compute_bode(store, repeated, ("q",), ("bfs",)))
     assert spec["layout"]["yaxis3"]["title"]["text"] == "Coherence"
+
+
+def test_regressors_are_those_of_the_default_run(store, pair):
+    """Retained modes, of which the sensors reconstruct none, are part of the motion."""
+    run = EstimationRun(
+        maneuver_id=pair[0],
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    task, _, fit = fit_consistent_equation_error(prepare(store, run))
+    assert task.retained
+    shown = compute_plot_matrix(store, pair[0], modes=(7, 9))
+    assert shown.names[:4] == ("alpha", "q", "eta7", "eta9")
+    np.testing.assert_allclose(shown.samples[:, [0, 2, 3]], fit.motions[0].values[:, [0, 2, 3]])
+    without, _ = reconstruct_with_out_of_band_modes(task.maneuvers[0])
+    change = np.linalg.norm(shown.samples[:, 3] - without.values[:, 3])
+    assert change > 0.02 * np.linalg.norm(shown.samples[:, 3])
 
 
 def test_maneuver_without_known_harmonics_is_analysed_by_windows(store, pair):

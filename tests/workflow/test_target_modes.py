@@ -109,7 +109,8 @@ def require_reached(store: Store, query: TargetQuery, missing: set[str] | None =
         for own in made.inputs:
             if own.name in surfaces:
                 # Those of a phugoid have a spacing of their own.
-                main = np.array(own.harmonics)[0 if own.power is None else 3 :]
+                of_phugoid = 0 if own.power is None else np.sum(np.array(own.power) < 1.0)
+                main = np.array(own.harmonics)[of_phugoid:]
                 assert np.unique(np.diff(main)).size == 1, (number, own.name)
                 assert len(own.harmonics) >= CATALOGUE[number].harmonics_per_input
         every = [harmonic for own in made.inputs for harmonic in own.harmonics]

@@ -146,7 +146,8 @@ def interleave_target_harmonics(
     Notes
     -----
     Equal spacing from a phugoid to a structural mode needs a thousand harmonics. A phugoid below
-    all other targets has ``HARMONICS_PER_SURFACE`` of its own instead, in addition to ``count``.
+    all other targets has ``HARMONICS_PER_SURFACE`` in all instead: those that throttles leave are
+    of the first surface, in addition to ``count``. Its band of few harmonics holds no more.
     """
     phugoid = find_separate_phugoid(targets)
     low: list[Int[np.ndarray, " n_tones"]] = [np.zeros(0, dtype=int)] * n_surfaces
@@ -154,12 +155,13 @@ def interleave_target_harmonics(
     least = int(np.floor(min(one.low_hz for one in others) * duration_s))
     begin = max(free, min(first, least))
     if phugoid is not None:
-        lowest = max(int(np.ceil(phugoid.low_hz * duration_s)), free)
-        width = phugoid.high_hz * duration_s - lowest + 1.0
-        spacing = max(n_surfaces, int(width // HARMONICS_PER_SURFACE))
-        places = lowest + np.arange(n_surfaces) * (spacing // n_surfaces)
-        low = [place + spacing * np.arange(HARMONICS_PER_SURFACE) for place in places]
-        begin = int(low[-1][-1]) + 1
+        lowest, highest = np.ceil(phugoid.low_hz * duration_s), phugoid.high_hz * duration_s
+        own = HARMONICS_PER_SURFACE - max(0, int(min(free, highest + 1) - lowest))
+        if own > 0:
+            lowest = max(int(lowest), free)
+            spacing = max(1, int((highest - lowest) // max(1, own - 1)))
+            low[0] = lowest + spacing * np.arange(own)
+            begin = int(low[0][-1]) + 1
     last = int(np.ceil(max(one.high_hz for one in others) * duration_s))
     width = min(one.high_hz - one.low_hz for one in others) * duration_s
     high = interleave_harmonics(n_surfaces, count, begin, last, width)
@@ -180,6 +182,8 @@ def weight_harmonics(
 ) -> tuple[float, ...] | None:
     """Return the relative power of the harmonics of a surface; None for a flat spectrum.
 
+    Flat is the spectrum of a surface without harmonics of a phugoid.
+
     Notes
     -----
     A phugoid with the damping ratio of Lanchester, 1 / (sqrt(2) L/D) = 0.05 of L/D = 14, responds
@@ -190,21 +194,35 @@ def weight_harmonics(
     if phugoid is None:
         return None
     highest = phugoid.high_hz * duration_s
+    if min(harmonics) > highest:
+        return None
     return tuple(_PHUGOID_AMPLITUDE**2 if one <= highest else 1.0 for one in harmonics)
 
 
 def count_harmonics(
     harmonics: Mapping[str, Sequence[int]], duration_s: float, target: Target
 ) -> int:
-    """Return the least number of harmonics of an input within the band of a target."""
+    """Return the least number of harmonics of a surface within the band of a target.
+
+    Of all inputs together for a phugoid, which surfaces and throttles excite alike.
+    """
     low, high = target.low_hz * duration_s, target.high_hz * duration_s
-    return min(len([one for one in own if low <= one <= high]) for own in harmonics.values())
+    counts = {n: len([k for k in own if low <= k <= high]) for n, own in harmonics.items()}
+    if target.group == PHUGOID:
+        return sum(counts.values())
+    return min((count for name, count in counts.items() if not is_throttle(name)), default=0)
 
 
 def find_least_duration(targets: Sequence[Target], n_surfaces: int) -> float:
-    """Find the shortest period with three harmonics of every surface about each target. [s]"""
-    slots = HARMONICS_PER_SURFACE * n_surfaces + 1
-    return max((slots / (one.high_hz - one.low_hz) for one in targets), default=0.0)
+    """Find the shortest period with three harmonics of every surface about each target. [s]
+
+    About a phugoid three of all inputs together.
+    """
+    slots = {
+        one: HARMONICS_PER_SURFACE * (1 if one.group == PHUGOID else n_surfaces) + 1
+        for one in targets
+    }
+    return max((n / (one.high_hz - one.low_hz) for one, n in slots.items()), default=0.0)
 
 
 # --- Harmonic assignment: harmonics of each input, interleaved over a band, and their checks ------

@@ -191,11 +191,25 @@ def select_terms(
 def summarise_selection(
     evidences: Sequence[Evidence], end: SelectionState, thresholds: Thresholds
 ) -> Selection:
-    """Summarise every term at the end of a search."""
+    """Summarise every term at the end of a search.
+
+    Notes
+    -----
+    Dropped terms are not zero but too small to be supported, and bias the selected ones. Their
+    standard errors include the square of the bias that is estimated without bias from the change
+    d of a value from that with all terms: d^2 - var(d), if positive, with var(d) the difference of
+    the variances. Source: Claeskens and Hjort, The focused information criterion, Journal of the
+    American Statistical Association 98 (2003), doi:10.1198/016214503000000819.
+    """
     now = pool_evidence(evidences, end.selected)
+    every = pool_evidence(evidences, np.ones_like(end.selected))
+    change = now.values - every.values
+    of_change = np.maximum(every.std_errors**2 - now.std_errors**2, 0.0)
+    bias = np.where(end.selected, np.maximum(change**2 - of_change, 0.0), 0.0)
     support = np.mean(now.each_f > thresholds.f_in, axis=0)
-    values, std_errors = now.values.astype(object), now.std_errors.astype(object)
-    values[~np.isfinite(now.std_errors)] = std_errors[~np.isfinite(now.std_errors)] = None
+    widened = np.sqrt(now.std_errors**2 + bias)
+    values, std_errors = now.values.astype(object), widened.astype(object)
+    values[~np.isfinite(widened)] = std_errors[~np.isfinite(widened)] = None
     columns = (end.selected, values, std_errors, now.f, support)
     rows = zip(evidences[0].names, *(column.tolist() for column in columns), strict=True)
     criteria = compute_criteria(evidences, end.selected, now.rest, thresholds)

@@ -71,9 +71,10 @@ class RowTargets:
     """A row of Table 1 on an aircraft: band, resolution [Hz] and harmonics about its targets.
 
     ``least_duration_s`` is the shortest duration with three harmonics of every surface about each
-    target; ``missing`` are targets without a predicted frequency. ``fuel_burnt`` is the share of
-    the fuel that burns meanwhile, as in the assessed maneuvers of the aircraft, None without any;
-    one linear model holds where it is at most ``largest_fuel_burnt``.
+    target (of all inputs together about a phugoid); ``missing`` are targets without a predicted
+    frequency. ``fuel_burnt`` is the share of the fuel that burns meanwhile, as in the assessed
+    maneuvers of the aircraft, None without any; one linear model holds where it is at most
+    ``largest_fuel_burnt``.
     """
 
     number: int
@@ -128,7 +129,7 @@ def list_row_targets(
         duration = period_s * aid.periods
         surfaces, _ = aid.input_names()
         dealt = aid.harmonics(first_harmonic, targets, duration)
-        harmonics = {name: dealt[name].tolist() for name in surfaces}
+        harmonics = {name: own.tolist() for name, own in dealt.items()}
         every = [harmonic for own in harmonics.values() for harmonic in own]
         low, high = min(every) / duration, max(every) / duration
         modes = _compare(targets, harmonics, duration, (low, high))
@@ -142,7 +143,7 @@ def list_row_targets(
                 low_hz=low,
                 high_hz=high,
                 resolution_hz=1.0 / duration,
-                harmonics_per_surface=max(map(len, harmonics.values())),
+                harmonics_per_surface=max(len(harmonics[name]) for name in surfaces),
                 modes=modes,
                 missing=tuple(group for group in groups if group not in known),
                 reaches_targets=all(_is_reached(mode) for mode in modes),
@@ -177,12 +178,7 @@ def compare_target_modes(store: Store, design: ExcitationDesign, query: TargetQu
     aid = None if design.fta is None else find_flight_test_aid(design.fta)
     targets = _list_targets(_load_flight_modes(store, query), aid)
     low, high = find_band(design.specification)
-    throttles = () if aid is None else aid.input_names()[1]
-    harmonics = {
-        own.name: list(own.harmonics)
-        for own in design.specification.inputs
-        if own.name not in throttles
-    }
+    harmonics = {own.name: list(own.harmonics) for own in design.specification.inputs}
     found = _compare(targets, harmonics, design.specification.duration_s, (low, high))
     return TargetModes(
         low_hz=low, high_hz=high, modes=found, sentence=_describe(low, high, found, aid)
@@ -305,6 +301,11 @@ def _list_structural_targets(flight: _FlightModes, aid: FlightTestAid | None) ->
     return found
 
 
+def _of_phugoid(found: tuple[TargetMode, ...]) -> str:
+    has_phugoid = any(mode.group == PHUGOID for mode in found)
+    return " (of all inputs together about PH)." if has_phugoid else "."
+
+
 def _describe(
     low: float, high: float, found: tuple[TargetMode, ...], aid: FlightTestAid | None
 ) -> str:
@@ -318,7 +319,7 @@ def _describe(
     if not short:
         return (
             f"{band}, with {HARMONICS_PER_SURFACE} or more harmonics of every surface about all"
-            " target modes of the row."
+            " target modes of the row" + _of_phugoid(found)
         )
     missing = ", ".join(
         f"{mode.name} ({mode.frequency_hz:.4g} Hz, "

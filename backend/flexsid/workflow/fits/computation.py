@@ -47,7 +47,7 @@ from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.equation_error_fit import (
     collect_starting_points,
-    fit_equation_error,
+    fit_consistent_equation_error,
     list_sensor_warnings,
 )
 from flexsid.workflow.fits.estimation_task import (
@@ -56,7 +56,6 @@ from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     build_fit_settings,
     compute_poles,
-    get_first_start,
     marginalise,
     read_versions,
     refit_until_consistent,
@@ -195,22 +194,11 @@ def load_estimators() -> Mapping[str, Estimator]:
 
 def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFit:
     """Estimate by equation error."""
-    report(Progress(message="Reconstructing motion from the sensors"))
-    parameters = select_free_parameters(task, get_first_start(task), ())
-    fit = fit_equation_error(task, parameters)
-
-    def fit_again(task: EstimationTask, estimate: Estimate) -> Estimate:
-        nonlocal fit
-        message = f"Reconstructing motion with a prior spread of {task.spread:.2g}"
-        report(Progress(message=message))
-        fit = fit_equation_error(task, replace(parameters, start=estimate.values))
-        return replace(fit.estimate, start=parameters.start)
-
-    task, estimate = refit_until_consistent(task, fit.estimate, fit_again)
+    task, parameters, fit = fit_consistent_equation_error(task, report)
     start = "none needed"
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
-    estimate = apply_priors(estimate, task.priors)
+    estimate = apply_priors(fit.estimate, task.priors)
     task, parameters, estimate = _include_shape_errors(task, parameters, estimate, report)
     first = replace(parameters, start=estimate.values)
     adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, first)

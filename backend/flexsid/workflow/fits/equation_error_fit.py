@@ -8,6 +8,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import Method, Progress, ReportProgress
+from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Parameters
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.regression.joint_equation_error import (
@@ -28,6 +29,7 @@ from flexsid.workflow.fits.estimation_task import (
     build_experiments,
     build_fit_settings,
     get_first_start,
+    refit_until_consistent,
     select_free_parameters,
 )
 
@@ -47,6 +49,31 @@ def fit_equation_error(task: EstimationTask, parameters: Parameters) -> Equation
     started = replace(parameters, start=estimate_starting_values(task, parameters))
     settings = build_fit_settings(replace(task, shape_errors={}))
     return fit_free_maneuvers(task.maneuvers, started, _build_prior(task), settings)
+
+
+def fit_consistent_equation_error(
+    task: EstimationTask, report: ReportProgress = lambda progress: None
+) -> tuple[EstimationTask, Parameters, EquationErrorFit]:
+    """Estimate all maneuvers by equation error with the spread of the prior that they show.
+
+    Returns
+    -------
+    task, parameters, fit
+        The task with that spread, the free parameters with their starting values, and the fit.
+    """
+    report(Progress(message="Reconstructing motion from the sensors"))
+    parameters = select_free_parameters(task, get_first_start(task), ())
+    fit = fit_equation_error(task, parameters)
+
+    def fit_again(task: EstimationTask, estimate: Estimate) -> Estimate:
+        nonlocal fit
+        message = f"Reconstructing motion with a prior spread of {task.spread:.2g}"
+        report(Progress(message=message))
+        fit = fit_equation_error(task, replace(parameters, start=estimate.values))
+        return replace(fit.estimate, start=parameters.start)
+
+    task, estimate = refit_until_consistent(task, fit.estimate, fit_again)
+    return task, parameters, replace(fit, estimate=estimate)
 
 
 def _build_prior(task: EstimationTask) -> RetainedPrior | None:

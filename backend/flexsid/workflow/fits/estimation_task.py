@@ -44,7 +44,7 @@ from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
 
-METHODS = "14"
+METHODS = "15"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs

@@ -16,7 +16,6 @@ from flexsid.records.run import (
     FitBlock,
     Method,
     ModelAdequacy,
-    OutOfBandModes,
     Pole,
     RunResult,
     RunSettings,
@@ -35,15 +34,15 @@ from flexsid.records.views import (
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import compute_correlation
 from flexsid.sysid.regression.equation_error import build_regressors
-from flexsid.sysid.regression.joint_equation_error import reconstruct_with_out_of_band_modes
 from flexsid.sysid.spectra.collinearity import assess_collinearity
 from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
+from flexsid.workflow.fits.equation_error_fit import fit_consistent_equation_error
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import find_assigned_inputs, select_frequencies
 from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.run_proposal import set_default_band
+from flexsid.workflow.runs.run_proposal import complete_request
 from flexsid.workflow.views.maneuver import (
     CLEAR_OF_NYQUIST,
     find_sampling,
@@ -243,7 +242,8 @@ def compute_plot_matrix(
 
     Left and right surfaces that only move together, or against each other, are one input.
     Trim before and after would add points at rest, which hide correlation. With ``modes`` the
-    columns are the equation-error regressors with these modes, at harmonics only.
+    columns are the equation-error regressors of the default run with these modes, at harmonics
+    only.
     """
     maneuver = store.maneuvers.get(maneuver_id)
     if modes:
@@ -283,19 +283,24 @@ def _read_regressor_spectra(store: Store, maneuver: Maneuver, names: tuple[str, 
 
 
 def _read_regressors(store: Store, maneuver: Maneuver, modes: tuple[int, ...]) -> PlotMatrix:
-    """Compute regressors from reconstructed motion, without out-of-band modes."""
+    """Compute the regressors of the default run of equation error with these modes.
+
+    Its out-of-band modes are retained with the prior that the data support, and so are its inputs,
+    noise and corrections of the ends of the record.
+    """
     assert maneuver.id is not None
     request = EstimationRun(
         maneuver_id=maneuver.id,
         method=Method.EE,
         structure=Structure(modes=modes, fixed={}, axis=find_body(maneuver.axis).axis),
-        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+        settings=RunSettings(),
     )
-    data = prepare(store, set_default_band(store, request)).maneuvers[0]
+    task, _, fit = fit_consistent_equation_error(prepare(store, complete_request(store, request)))
+    model, motion = task.model.with_modes(len(modes)), fit.motions[0]
     columns = build_regressors(
-        data.model, reconstruct_with_out_of_band_modes(data)[0], data.measured.inputs
+        model, motion.select_motions(len(model.motions)), task.maneuvers[0].measured.inputs
     )
-    names = data.model.variables
+    names = model.variables
     return _build_matrix(maneuver, names, tuple("s" for _ in names), columns)
 
 
