@@ -44,7 +44,7 @@ from flexsid.workflow.measurements.sensor_faults import RecordedSensors
 
 # --- Versions of the software that computes a result ----------------------------------------------
 
-METHODS = "14"
+METHODS = "15"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs
@@ -89,6 +89,14 @@ class ManeuverTask(ManeuverModel):
             measured=self.measurement.transform(),
             opposed=None if self.opposed is None else self.opposed.transform(),
         )
+
+    def correct_steps(self, derivatives: DerivativeTable, data: ManeuverData) -> ManeuverData:
+        """Add to the spectra of outputs what samples lack while inputs step, by a model."""
+        if not self.measurement.has_steps:
+            return data
+        system = self.model.state_space(derivatives)
+        error = self.measurement.compute_step_errors(system, data.measured)
+        return data.add_to_outputs(error)
 
 
 @dataclass(frozen=True)
@@ -160,6 +168,22 @@ class EstimationTask:
         if known := self.__dict__.get("maneuvers"):  # transformed once
             found.__dict__["maneuvers"] = known
         return found
+
+    @property
+    def has_steps(self) -> bool:
+        """Whether outputs were sampled while inputs moved in steps."""
+        return any(one.measurement.has_steps for one in self.maneuver_tasks)
+
+    def correct_steps(self, derivatives: DerivativeTable) -> EstimationTask:
+        """Return the task with the outputs as if sampled without a gap while inputs step.
+
+        ``derivatives`` are those of a first fit, as the difference is a small part of the motion.
+        """
+        data = tuple(
+            one.correct_steps(derivatives, transformed)
+            for one, transformed in zip(self.maneuver_tasks, self.maneuvers, strict=True)
+        )
+        return replace(self, corrected=data)
 
     @property
     def retained(self) -> tuple[int, ...]:
