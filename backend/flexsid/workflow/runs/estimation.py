@@ -84,6 +84,7 @@ from flexsid.workflow.fits.run_warnings import (
 from flexsid.workflow.measurements.flight_records import read_flight_record
 from flexsid.workflow.measurements.maneuver_spectra import (
     read_measurement,
+    warn_of_air_data,
     warn_of_airspeed_drift,
     widen_by_spread,
 )
@@ -251,6 +252,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
             *drifts,
+            *(text for one in maneuvers for text in warn_of_air_data(store, one)),
         ),
         provenance=Provenance(
             rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
