@@ -393,9 +393,8 @@ def _prepare_maneuver(
 ) -> ManeuverTask:
     own, body = structure.modes, find_body(structure.axis)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
-    # A frequency shape has lags, whose states at the ends are not modelled; both axes of a
-    # combined maneuver are compared at equal frequencies.
-    free_ends = not settings.aerodynamics.is_shaped and maneuver.axis != COMBINED
+    # A frequency shape has lags, whose states at the ends are not modelled.
+    free_ends = not settings.aerodynamics.is_shaped
     measurement = read_measurement(
         store, maneuver, aircraft, inputs, outputs, settings.band_hz, body, free_ends=free_ends
     )
@@ -403,6 +402,8 @@ def _prepare_maneuver(
     opposed, pairs = None, {}
     if maneuver.axis == COMBINED and with_opposed:
         opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
+        if opposed is not None and opposed.measurement.max_omega != measurement.max_omega:
+            opposed = None  # recorded over another window, and thus at other frequencies
         pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
 
     def build_wrong_models(shapes: StructuralModes) -> dict[str, AeroelasticModel]:
