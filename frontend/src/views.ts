@@ -260,6 +260,8 @@ export const maneuverView = view((search) => ({
   /** Further maneuvers over this one in the Bode plot, or averaged with it. */
   overlay: integers(search.overlay),
   average: flag(search.average),
+  /** Further maneuvers of the recorder, whose sensors are compared together with these. */
+  compared: integers(search.compared),
   /** Models also with sensors blind to the structure. */
   rigid: flag(search.rigid),
   /** Responses from averaged windows instead of harmonics. */

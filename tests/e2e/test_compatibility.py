@@ -1,7 +1,11 @@
-"""A fault of a sensor is shown on the page of its maneuver, corrected with one click and undone."""
+"""A fault of a sensor is shown on the page of its maneuver, corrected with one click and undone.
+
+Further maneuvers of the recorder are compared together, at an address of their own.
+"""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -18,14 +22,19 @@ SCREENSHOTS = Path(__file__).parent / "screenshots"
 def test_a_late_vane_is_corrected_and_the_correction_undone(
     browser: Browser, tmp_path: Path
 ) -> None:
-    columns = record_flight(1, "longitudinal", PlantedFault("alpha", delay_s=0.022))
-    record, mapping = write_flight(tmp_path / "late", columns, "longitudinal", "late")
+    files = []
+    for seed, label in ((1, "late"), (2, "late again")):
+        columns = record_flight(seed, "longitudinal", PlantedFault("alpha", delay_s=0.022))
+        files.append(write_flight(tmp_path / label, columns, "longitudinal", label))
     with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
         client = server.connect()
-        upload = client.upload(record)["upload"]["id"]
-        body = {"mapping": mapping.read_text()}
-        job = client.send("post", f"uploads/{upload}/import", body)
-        client.wait_for_end(f"jobs/{job['id']}")
+        for record, mapping in files:
+            upload = client.upload(record)["upload"]["id"]
+            # One aircraft, whose name has the label otherwise.
+            text = re.sub("Kinematic [a-z ]+", "Kinematic", mapping.read_text())
+            body = {"mapping": text}
+            job = client.send("post", f"uploads/{upload}/import", body)
+            client.wait_for_end(f"jobs/{job['id']}")
         with opened_page(browser, server.url) as page:
             page.goto("/maneuvers/1")
             page.get_by_test_id("tab-time").focus()
@@ -36,6 +45,15 @@ def test_a_late_vane_is_corrected_and_the_correction_undone(
             assert "tab=quality#compatibility" in page.url
             row = page.get_by_test_id("compatibility-sensors").get_by_role("row", name="alpha")
             expect(row).to_contain_text("vane")
+            page.get_by_test_id("compare-all").focus()
+            page.keyboard.press("Enter")
+            compute = page.get_by_role("region", name="Compatibility", exact=True)
+            compute.get_by_test_id("compute").click()
+            expect(compute).to_contain_text("Over 2 maneuvers")
+            expect(page).to_have_url(re.compile("compared=2"))
+            page.reload()
+            expect(compute).to_contain_text("Over 2 maneuvers")
+            expect(faulty).to_contain_text("alpha is recorded")
             SCREENSHOTS.mkdir(exist_ok=True)
             for scheme in ("light", "dark"):
                 page.emulate_media(color_scheme=scheme)

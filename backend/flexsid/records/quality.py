@@ -186,6 +186,7 @@ class FlightConditionQuality:
 
     ``separation_factor`` is the lowest structural over the highest rigid-body frequency of
     the predicted model: from five on, rigid and elastic motion may be taken apart.
+    ``contradictions`` are those of air data among each other.
     """
 
     averages: tuple[Average, ...]
@@ -195,6 +196,7 @@ class FlightConditionQuality:
     airspeed_drift: float | None  # share of the mean
     separation_factor: float | None
     time_invariant: bool | None
+    contradictions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

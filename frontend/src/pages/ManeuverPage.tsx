@@ -57,7 +57,7 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
   const contents: SectionContents<ManeuverSection> = {
     time: ["Time histories", <TimeHistoryTab {...tabProps} />],
     quality: ["Quality", <QualityTab {...tabProps} />],
-    compatibility: ["Compatibility", <CompatibilityTab maneuver={maneuver} />],
+    compatibility: ["Compatibility", <CompatibilityTab {...tabProps} />],
     spectra: ["Spectra", <SpectraTab {...tabProps} />],
     inputs: ["Correlation of channels", <PlotMatrixTab {...tabProps} />],
     reconstruction: ["Reconstruction", <ReconstructionTab {...tabProps} />],

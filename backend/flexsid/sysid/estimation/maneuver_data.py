@@ -60,6 +60,12 @@ class ManeuverData(ManeuverModel):
             self, measured=replace(spectra, outputs=rest, free_ends=False, record_ends_s=())
         )
 
+    def add_to_outputs(self, outputs: Complex[np.ndarray, "n_omega n_y"]) -> ManeuverData:
+        """Return the data with spectra added to those of the outputs."""
+        spectra = self.measured
+        added = replace(spectra.outputs, values=spectra.outputs.values + outputs)
+        return replace(self, measured=replace(spectra, outputs=added))
+
     def replace_spectra(self, experiment: Experiment) -> ManeuverData:
         """Return the data with the inputs and outputs of an output error of them."""
         spectra, model = self.measured, experiment.model

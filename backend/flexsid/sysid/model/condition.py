@@ -108,14 +108,22 @@ def compute_standard_density(altitude_m: float) -> float:
     -----
     Source: ISO 2533.
     """
+    pressure = compute_standard_pressure(altitude_m)
+    return pressure / (_GAS_CONSTANT * (_SEA_LEVEL_K - _LAPSE_RATE * altitude_m))
+
+
+def compute_standard_pressure(altitude_m: float) -> float:
+    """Compute the pressure of the standard atmosphere up to the tropopause. [Pa]
+
+    Parameters and errors are those of ``compute_standard_density``.
+    """
     if not -1000.0 <= altitude_m <= _TROPOPAUSE_M:
         raise BadInput(
             f"Altitude {altitude_m:g} m is outside the troposphere; give the density instead.",
             code="bad-condition",
         )
     temperature = _SEA_LEVEL_K - _LAPSE_RATE * altitude_m
-    pressure = _SEA_LEVEL_PA * (temperature / _SEA_LEVEL_K) ** _PRESSURE_EXPONENT
-    return pressure / (_GAS_CONSTANT * temperature)
+    return _SEA_LEVEL_PA * (temperature / _SEA_LEVEL_K) ** _PRESSURE_EXPONENT
 
 
 def compute_standard_altitude(density: float) -> float:

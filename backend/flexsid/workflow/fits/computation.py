@@ -90,6 +90,7 @@ from flexsid.workflow.fits.variance_budget import compute_variance_budget
 
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
 _PROGRESS_BEFORE_CAUSE = 0.98  # progress when a rejected model is fitted to corrected data
+_STEP_ROUNDS = 2  # the second moves derivatives by the square of what the first does
 _MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
 _BIASED = (
     "The fit weighted with the noise spectrum of the record {change}, so that values can be "
@@ -500,7 +501,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     began = time.perf_counter()
     estimator = find_estimator(task.method)
     with report_errors(estimator.package):
-        fit = estimator.fit(task, report)
+        fit = _fit(estimator, task, report)
     moved: frozenset[str] = frozenset()
     if fit.adequacy.state is not AdequacyState.CONSISTENT and not estimator.package:
         fit, moved = _name_cause(estimator, task, fit, report)
@@ -559,6 +560,20 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     )
 
 
+def _fit(estimator: Estimator, task: EstimationTask, report: ReportProgress) -> EstimatorFit:
+    """Fit a task; where inputs move in steps, again with what samples of the outputs lack."""
+    fit = estimator.fit(task, report)
+    if not task.has_steps:
+        return fit
+    for _ in range(_STEP_ROUNDS):
+        if not fit.estimate.outcome.is_optimum:
+            break
+        table = fit.parameters.table(fit.estimate.values)
+        report(Progress(message="Fitting without the errors of samples between steps"))
+        fit = estimator.fit(task.correct_steps(table), report)
+    return fit
+
+
 def _warn_of_signs(task: EstimationTask, estimate: Estimate) -> tuple[str, ...]:
     """Warn of surfaces whose derivatives contradict their prediction, or nature without one."""
     if task.predicted is not None:
@@ -583,7 +598,7 @@ def _name_cause(
 
     def refit(corrected: EstimationTask) -> TestedFit:
         report(Progress(fraction=_PROGRESS_BEFORE_CAUSE, message="Searching for the cause"))
-        found = estimator.fit(corrected, lambda progress: None)
+        found = _fit(estimator, corrected, lambda progress: None)
         return TestedFit(found.estimate, found.adequacy)
 
     adequacy, moved = name_cause(task, TestedFit(fit.estimate, fit.adequacy), refit)

@@ -90,6 +90,14 @@ class ManeuverTask(ManeuverModel):
             opposed=None if self.opposed is None else self.opposed.transform(),
         )
 
+    def correct_steps(self, derivatives: DerivativeTable, data: ManeuverData) -> ManeuverData:
+        """Add to the spectra of outputs what samples lack while inputs step, by a model."""
+        if not self.measurement.has_steps:
+            return data
+        system = self.model.state_space(derivatives)
+        error = self.measurement.compute_step_errors(system, data.measured)
+        return data.add_to_outputs(error)
+
 
 @dataclass(frozen=True)
 class EstimationTask:
@@ -166,6 +174,22 @@ class EstimationTask:
         if known := self.__dict__.get("maneuvers"):  # transformed once
             found.__dict__["maneuvers"] = known
         return found
+
+    @property
+    def has_steps(self) -> bool:
+        """Whether outputs were sampled while inputs moved in steps."""
+        return any(one.measurement.has_steps for one in self.maneuver_tasks)
+
+    def correct_steps(self, derivatives: DerivativeTable) -> EstimationTask:
+        """Return the task with the outputs as if sampled without a gap while inputs step.
+
+        ``derivatives`` are those of a first fit, as the difference is a small part of the motion.
+        """
+        data = tuple(
+            one.correct_steps(derivatives, transformed)
+            for one, transformed in zip(self.maneuver_tasks, self.maneuvers, strict=True)
+        )
+        return replace(self, corrected=data)
 
     @property
     def retained(self) -> tuple[int, ...]:

@@ -126,8 +126,8 @@ def build_record_experiments(
 ) -> list[Experiment]:
     """Build output error at the estimate of another method."""
     experiments = build_experiments(task, Method.OE)
-    if task.corrected:
-        return experiments
+    if task.corrected and not task.has_steps:
+        return experiments  # without the noise of feedback, from whole maneuvers
     return [remove_leakage(one, parameters, estimate.values) for one in experiments]
 
 

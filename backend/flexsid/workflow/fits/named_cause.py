@@ -54,6 +54,13 @@ _DIRECTIONS = frozenset(
 _LOST = (FindingKind.FROZEN, FindingKind.ROUNDED, FindingKind.CLIPPED)
 """Faults whose samples no correction restores."""
 
+_REFINED = {
+    FindingKind.SCALE: Hypothesis.OUTPUT_SCALE,
+    FindingKind.DELAY: Hypothesis.OUTPUT_DELAY,
+}
+"""Test of the remaining error of a correction, by its kind."""
+
+_WITHIN = 3.0  # standard errors of a correction by kinematics, within which a fit refines it
 _SIGN = 0.3  # of a reversed sign, whose first step is from the wrong side
 _ORDER = (BetweenSamples.SMOOTH, BetweenSamples.LINEAR, BetweenSamples.HELD)  # of equal fits
 
@@ -122,6 +129,7 @@ def name_cause(
     if taken or any(one.finding.kind is FindingKind.FROZEN for one in causes):
         task = _correct(_bridge_frozen(task), taken)
         last = _refit(refit, task) or fit
+        causes, task, last = _refine(causes, task, last, refit)
     searches = (_search_outputs, _search_inputs) if task.model.modes.numbers else (_search_inputs,)
     for search in searches:
         if last.adequacy.state is AdequacyState.CONSISTENT or last.may_be_chance:
@@ -232,6 +240,63 @@ def _compare_sensors(task: EstimationTask) -> tuple[SensorFault, ...]:
     return describe_compatibility(tuple(range(len(recorded))), recorded).faults
 
 
+def _refine(
+    causes: list[SensorFault], task: EstimationTask, fit: TestedFit, refit: Refit
+) -> tuple[list[SensorFault], EstimationTask, TestedFit]:
+    """Refine lags and scale factors within their errors, where the fit determines them better.
+
+    Kinematics take noise of all sensors as motion that is to be explained; a model that fits does
+    not, so that its tests reject a correction by a fraction of its error.
+    """
+    refined = []
+    for cause in causes:
+        trial = _refine_one(cause.finding, task, fit, refit)
+        if trial is not None:
+            cause = replace(cause, finding=trial.finding)
+            task, fit = trial.task, trial.fit
+        refined.append(cause)
+    return refined, task, fit
+
+
+def _refine_one(
+    finding: SensorFinding, task: EstimationTask, fit: TestedFit, refit: Refit
+) -> _Trial | None:
+    correction, hypothesis = finding.correction, _REFINED.get(finding.kind)
+    if correction is None or hypothesis is None or finding.std is None or fit.may_be_chance:
+        return None
+    test = _find_test(fit, hypothesis, finding.channel)
+    if test is None or test.estimate is None or not test.rejects:
+        return None
+    std = abs(test.estimate) / np.sqrt(test.statistic)
+    name, before = finding.channel, finding.value
+    if hypothesis is Hypothesis.OUTPUT_SCALE:
+        value, std = before * (1.0 + test.estimate), abs(before) * std
+        rest = replace(correction, scale=1.0 + test.estimate, std=std)
+        whole = replace(correction, scale=value, std=std)
+        sentence = _state_scale(name, value, std)
+    else:
+        value = before + test.estimate
+        rest = replace(correction, delay_s=test.estimate, std=std)
+        whole = replace(correction, delay_s=value, std=std)
+        sentence = _state_delay(name, value, std)
+    if abs(value - before) > _WITHIN * finding.std:
+        return None
+    better = replace(finding, value=value, std=std, sentence=sentence, correction=whole)
+    for trial in _try(task, refit, better, rest):
+        if trial.fit.n_rejecting < fit.n_rejecting:
+            return trial
+    return None
+
+
+def _state_scale(name: str, scale: float, std: float) -> str:
+    return f"{name} reads {format_with_std(scale, std)} times the true value."
+
+
+def _state_delay(name: str, late_s: float, std: float) -> str:
+    size = format_with_std(1e3 * abs(late_s), 1e3 * std)
+    return f"{name} is recorded {size} ms {'late' if late_s > 0.0 else 'early'}."
+
+
 # --- Faults of the sensors of flexible aircraft, by fits with one of them corrected ---------------
 
 
@@ -294,7 +359,6 @@ def _try_scale(task: EstimationTask, fit: TestedFit, refit: Refit, name: str) ->
             std=std,
             basis="fit of the model with a scale factor of this sensor",
         )
-        ratio = format_with_std(scale, std)
         finding = SensorFinding(
             kind=FindingKind.SIGN if is_sign else FindingKind.SCALE,
             channel=name,
@@ -304,7 +368,7 @@ def _try_scale(task: EstimationTask, fit: TestedFit, refit: Refit, name: str) ->
             gain=None,
             sentence=f"The sign of {name} is reversed."
             if is_sign
-            else f"{name} reads {ratio} times the true value.",
+            else _state_scale(name, scale, std),
             remedy=f"Reverse {name} in the mapping, or by a calibration with scale factor -1."
             if is_sign
             else f"Calibrate {name}.",
@@ -469,7 +533,6 @@ def _try_delay(
         if abs(late_s) > LONGEST_DELAY_S or late_s == 0.0:
             break
         std = abs(test.estimate) / max(np.sqrt(test.statistic), 1e-6)
-        size = format_with_std(1e3 * abs(late_s), 1e3 * std)
         correction = Correction(
             channel=name,
             kind=StepKind.DELAY,
@@ -478,11 +541,12 @@ def _try_delay(
             basis="fit of the model with a delay of this channel",
         )
         if hypothesis is Hypothesis.INPUT_DELAY:
+            size = format_with_std(1e3 * abs(late_s), 1e3 * std)
             way = "after" if late_s > 0.0 else "before"
             sentence = f"{name} acts {size} ms {way} its recorded deflection."
             where = "that of its actuator"
         else:
-            sentence = f"{name} is recorded {size} ms {'late' if late_s > 0.0 else 'early'}."
+            sentence = _state_delay(name, late_s, std)
             where = "it in its instrument"
         finding = SensorFinding(
             kind=FindingKind.DELAY,

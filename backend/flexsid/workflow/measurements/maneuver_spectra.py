@@ -7,7 +7,7 @@ effect but stays in the record.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -17,6 +17,7 @@ from jaxtyping import Float
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import (
+    GROUND,
     Channel,
     Condition,
     ConditioningStep,
@@ -27,10 +28,12 @@ from flexsid.records.maneuver import (
 )
 from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.model.airspeed import AIRSPEED
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.sensor_models import ATTITUDE
+from flexsid.sysid.model.sensor_models import AIRSPEED_PROBE, ATTITUDE
+from flexsid.sysid.preparation.air_data import find_contradictions
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
@@ -478,11 +481,14 @@ def widen_by_spread(
     is the standard deviation of the means of eight parts of the record.
     """
     known = {one.name for one in store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)}
-    names = sorted(known.intersection(("airspeed", "density", "fuel_fraction")))
+    names = sorted(known.intersection(("density", "fuel_fraction")))
+    recorded = [(c.name, x) for c, x in load_channels(store, maneuver.id, names)] if names else []
+    speed = _find_airspeed(store, maneuver)
+    recorded += [] if speed is None else [("airspeed", speed[1])]
     spread = dict.fromkeys(("airspeed", "density", "fuel_fraction"), 0.0)
-    for channel, values in load_channels(store, maneuver.id, names):
+    for name, values in recorded:
         parts = np.array_split(values, _PARTS) if values.size >= _PARTS else []
-        spread[channel.name] = float(np.std([np.mean(part) for part in parts])) if parts else 0.0
+        spread[name] = float(np.std([np.mean(part) for part in parts])) if parts else 0.0
     condition, table = maneuver.condition, aircraft.mass
     fuel = condition.fuel_fraction + np.array([-1.0, 1.0]) * spread["fuel_fraction"]
     of_mass = np.ptp(np.interp(fuel, table.fuel, table.mass_kg)) / (2.0 * condition.mass_kg)
@@ -498,19 +504,79 @@ def widen_by_spread(
 
 
 def warn_of_airspeed_drift(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
-    """Warn of a recorded airspeed that is not that of one condition."""
+    """Warn of an airspeed or a density that is not that of one condition."""
+    return tuple(_warn_of_drift(store, maneuver))
+
+
+def compute_airspeed_drift(store: Store, maneuver: Maneuver) -> tuple[float, float] | None:
+    """Compute the drift of the recorded airspeed, and its mean; None without a record. [m/s]"""
+    found = _find_airspeed(store, maneuver)
+    if found is None:
+        return None
+    name, values = found
+    # A probe may record the change of airspeed alone.
+    mean = float(np.mean(values)) if name == "airspeed" else maneuver.condition.airspeed_m_s
+    return compute_drift(values), mean
+
+
+def _warn_of_drift(store: Store, maneuver: Maneuver) -> Iterator[str]:
+    drift, mean = compute_airspeed_drift(store, maneuver) or (0.0, 0.0)
+    if abs(drift) > MAX_AIRSPEED_DRIFT * abs(mean):
+        what = "may be biased, and their standard errors include this drift"
+        if abs(drift) > UNUSABLE_DRIFT * abs(mean):
+            what = "are those of no condition: use a shorter part of the record"
+        elif maneuver.axis == LONGITUDINAL.axis and _find_probe(store, maneuver):
+            what += f". Compare with the model with airspeed ({AIRSPEED.axis})"
+        yield (
+            f"{maneuver.label}: the airspeed {'rises' if drift > 0.0 else 'falls'} by "
+            f"{abs(drift):.1f} m/s over the record. The model has one airspeed, of {mean:.1f} "
+            f"m/s; derivatives {what}."
+        )
     known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
-    if "airspeed" not in {channel.name for channel in known}:
+    if "density" in {channel.name for channel in known}:
+        ((_, values),) = load_channels(store, maneuver.id, ["density"])
+        mean, drift = float(np.mean(values)), compute_drift(values)
+        if abs(drift) > 2.0 * MAX_AIRSPEED_DRIFT * abs(mean):
+            yield (
+                f"{maneuver.label}: the density {'rises' if drift > 0.0 else 'falls'} by "
+                f"{abs(drift / mean):.0%} over the record, and dynamic pressure with it; the "
+                "standard errors of derivatives include it."
+            )
+
+
+def _find_probe(store: Store, maneuver: Maneuver) -> str | None:
+    """Find the output of an airspeed probe."""
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    probes = {one.name for one in aircraft.sensors if one.kind == AIRSPEED_PROBE.kind}
+    outputs = store.channels.find(maneuver_id=maneuver.id, role=Role.OUTPUT)
+    return next((channel.name for channel in outputs if channel.name in probes), None)
+
+
+def _find_airspeed(store: Store, maneuver: Maneuver) -> tuple[str, Float[np.ndarray, " n"]] | None:
+    """Find the recorded airspeed, of the condition or else of a probe, with its samples. [m/s]"""
+    known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
+    name = "airspeed" if "airspeed" in {channel.name for channel in known} else None
+    name = name or _find_probe(store, maneuver)
+    if name is None:
+        return None
+    ((_, values),) = load_channels(store, maneuver.id, [name])
+    return name, values
+
+
+_AIR_DATA = ("indicated_airspeed", "altitude", "temperature", "total_temperature")
+
+
+def warn_of_air_data(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
+    """Warn of recorded air data that contradict each other or the condition."""
+    known = {one.name for one in store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)}
+    names = [name for name in _AIR_DATA if name in known]
+    if not names or maneuver.axis == GROUND:
         return ()
-    ((_, values),) = load_channels(store, maneuver.id, ["airspeed"])
-    mean, drift = float(np.mean(values)), compute_drift(values)
-    if not abs(drift) > MAX_AIRSPEED_DRIFT * abs(mean):
-        return ()
-    what = "may be biased, and their standard errors include this drift"
-    if abs(drift) > UNUSABLE_DRIFT * abs(mean):
-        what = "are those of no condition: use a shorter part of the record"
-    return (
-        f"{maneuver.label}: the airspeed {'rises' if drift > 0.0 else 'falls'} by "
-        f"{abs(drift):.1f} m/s over the record. The model has one airspeed, of {mean:.1f} m/s; "
-        f"derivatives {what}.",
-    )
+    measured = {c.name: float(np.mean(x)) for c, x in load_channels(store, maneuver.id, names)}
+    condition = maneuver.condition
+    measured |= {"airspeed": condition.airspeed_m_s, "density": condition.density_kg_m3}
+    try:
+        found = find_contradictions(measured)
+    except BadInput as outside:
+        found = (f"Air data cannot be compared: {outside.message}",)
+    return tuple(f"{maneuver.label}: {text}" for text in found)

@@ -13,7 +13,7 @@ from flexsid.records.aircraft import (
     Sensor,
     get_symmetry,
 )
-from flexsid.records.maneuver import Channel, FlightChannel, Maneuver, Role
+from flexsid.records.maneuver import COMBINED, Channel, FlightChannel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
@@ -88,7 +88,10 @@ def determine_axis(
     aircraft: Aircraft,
     channels: Sequence[tuple[RawChannel | FlightChannel, np.ndarray]],
 ) -> str:
-    """Determine the axis of a new maneuver: as declared, else longitudinal if the data agree.
+    """Determine the axis of a new maneuver: as declared, else by its surfaces and gyros.
+
+    It is combined where symmetric and antisymmetric surfaces move, and the rates of both axes are
+    similar: the record then serves a model of either axis.
 
     Parameters
     ----------
@@ -106,6 +109,8 @@ def determine_axis(
         return declared
     inputs = [channel.name for channel, _ in channels if channel.role is Role.INPUT]
     symmetries = {get_symmetry(aircraft, name) for name in inputs}
+    if _excites_both(aircraft, channels):
+        return COMBINED
     reason = None
     if symmetries == {"antisymmetric"}:
         reason = f"its inputs ({', '.join(inputs)}) are antisymmetric"
@@ -126,6 +131,27 @@ def determine_axis(
         code="axis-needed",
         key="maneuver.axis",
     )
+
+
+def _excites_both(
+    aircraft: Aircraft, channels: Sequence[tuple[RawChannel | FlightChannel, np.ndarray]]
+) -> bool:
+    """Whether surfaces excite, and gyros measure, motion of both axes."""
+    sizes = {"symmetric": 0.0, "antisymmetric": 0.0}
+    for channel, samples in channels:
+        symmetry = get_symmetry(aircraft, channel.name)
+        if channel.role is Role.INPUT and symmetry != "single":
+            size = float(np.std(to_si(samples, channel.unit)))
+            sizes[symmetry] = max(sizes[symmetry], size)
+    if not min(sizes.values()) > _OPPOSED_SHARE * max(sizes.values()):
+        return False
+    axes = _find_rate_axes(aircraft, [channel for channel, _ in channels])
+    rates = {c.name: float(np.std(to_si(x, c.unit))) for c, x in channels if c.name in axes}
+    own = [rates[name] for name, axis in axes.items() if GYRO.measures(axis, LONGITUDINAL)]
+    others = [rates[name] for name, axis in axes.items() if not GYRO.measures(axis, LONGITUDINAL)]
+    if not own or not others:
+        return False
+    return max(others) <= _OTHER_RATIO * max(own) and max(own) <= _OTHER_RATIO * max(others)
 
 
 def _find_opposed_pair(moved: Mapping[str, np.ndarray]) -> tuple[str, str] | None:

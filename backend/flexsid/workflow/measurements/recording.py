@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Correction, Maneuver, StepKind
+from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.preparation.resampling import (
     BetweenSamples,
     fill_between,
@@ -30,6 +31,12 @@ from flexsid.sysid.spectra.measured_spectra import (
     MeasuredSpectra,
     compute_resolution_overlap,
 )
+from flexsid.sysid.spectra.steps import (
+    N_TERMS,
+    integrate_held,
+    sum_step_errors,
+    transform_integrals,
+)
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
@@ -40,6 +47,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
 COMMAND_SUFFIX = "_command"  # of the channel with the excitation of an input
 SHORTEST_TRIM_S = 0.25  # shortest interval before the excitation that counts as trim [s]
 _SAME_HARMONIC = 1e-6  # distance from a harmonic, in units of the fundamental frequency
+_SMOOTHING = 1e-3  # of a signal, by an instrument that not only delays
 _NO_TAPER = 0.625  # of the sampling rate: a pass band above the Nyquist frequency
 
 
@@ -270,6 +278,49 @@ class Recording:
         values = np.reshape(np.array(columns, dtype=complex), (len(names), omega.size)).T
         return FrequencyData(omega, values, names)
 
+    def has_steps(self, inputs: Iterable[str]) -> bool:
+        """Whether inputs are held, of a record that is integrated over a window."""
+        parts = [part for name in inputs for part, _ in self.parts[name]]
+        return self.window_s is not None and any(self._is_held(part) for part in parts)
+
+    def compute_step_errors(
+        self, inputs: tuple[str, ...], outputs: tuple[str, ...], omega: np.ndarray
+    ) -> np.ndarray:
+        """Compute what the transforms of outputs lack while held inputs step.
+
+        Returns
+        -------
+        array
+            Transforms of each input and its integrals less those of their samples at the times of
+            each output, of the true motion, (n_terms, n_omega, n_y, n_u). [rad s^(n + 1)]
+        """
+        assert self.window_s is not None
+        window_s, channels = self.window_s, {c.name: (c, x) for c, x in self.channels}
+        errors = np.zeros((N_TERMS, omega.size, len(outputs), len(inputs)), dtype=complex)
+        for column, name in enumerate(inputs):
+            for part, weight in self.parts[name]:
+                if not self._is_held(part):
+                    continue
+                channel, samples = channels[part]
+                moved = self._convert_to_si(channel, samples)
+                moved = weight * (moved - moved[0])
+                clock = channel.rate_hz, channel.start_s - self.get_lag(part)
+                whole = integrate_steps(moved[:, None], clock[0], omega, clock[1], window_s)
+                ends = integrate_held(moved, *clock, np.array(window_s))
+                exact = np.stack(list(transform_integrals(whole[:, 0], omega, window_s, ends)))
+                for row, output in enumerate(outputs):
+                    sensor, recorded = channels[self.parts[output][0][0]]
+                    start_s = sensor.start_s - self.get_lag(sensor.name)
+                    time_s = start_s + np.arange(len(recorded)) / sensor.rate_hz
+                    seen = integrate_held(moved, *clock, time_s).T
+                    sampled = integrate_between(seen, sensor.rate_hz, omega, start_s, window_s)
+                    errors[:, :, row, column] += exact - sampled.T
+        return errors
+
+    def _is_held(self, name: str) -> bool:
+        corrected = self.conditioning.get(name)
+        return corrected is not None and corrected.between is BetweenSamples.HELD
+
     def _convert_to_si(self, channel: Channel, samples: np.ndarray) -> np.ndarray:
         values = to_si(samples, channel.unit)
         if channel.name not in self.conditioning:
@@ -398,6 +449,26 @@ class ManeuverMeasurement:
             window_s=self._find_window() if window_s is None else window_s,
             free_ends=window_s is not None,
         )
+
+    @property
+    def has_steps(self) -> bool:
+        """Whether outputs were sampled while inputs moved in steps."""
+        return self.recording.has_steps(self.inputs)
+
+    def compute_step_errors(self, system: StateSpace, measured: MeasuredSpectra) -> np.ndarray:
+        """Compute what the transforms of the outputs lack while inputs step, by a model.
+
+        An instrument that does more than delay smooths the steps: its output lacks nothing.
+
+        Returns
+        -------
+        array
+            To be added to the outputs as recorded, (n_omega, n_y). [output unit * s]
+        """
+        names = tuple(output.name for output in self.outputs)
+        errors = self.recording.compute_step_errors(self.inputs, names, measured.omega)
+        only_delays = np.abs(np.abs(measured.instruments) - 1.0).max(axis=0) < _SMOOTHING
+        return sum_step_errors(system, errors) * measured.instruments * only_delays
 
     def _find_window(self) -> tuple[float, float] | None:
         """Return begin and end of the transformed outputs; None for whole periods."""

@@ -59,9 +59,11 @@ from flexsid.workflow.aircraft.flight_condition import (
 )
 from flexsid.workflow.measurements.maneuver_spectra import (
     MAX_AIRSPEED_DRIFT,
+    compute_airspeed_drift,
     compute_drift,
     load_channels,
     read_conditioning,
+    warn_of_air_data,
 )
 from flexsid.workflow.measurements.recording import Conditioning
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
@@ -81,7 +83,7 @@ from flexsid.workflow.quality.sensor_skews import (
 from flexsid.workflow.views.maneuver import compute_spectrum, read_traces
 from flexsid.workflow.views.run import compute_plot_matrix
 
-_VERSION = 11  # of the assessment: a higher one assesses every maneuver again
+_VERSION = 12  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50
 
 
@@ -453,9 +455,9 @@ def assess_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     for average in _average_table_values(aircraft, maneuver, loaded):
         averages.setdefault(average.name, average)
-    fuel, speed = averages.get("fuel_fraction"), averages.get("airspeed")
+    fuel, speed = averages.get("fuel_fraction"), compute_airspeed_drift(store, maneuver)
     fuel_change = None if fuel is None else abs(fuel.drift)
-    drift = None if speed is None or speed.mean == 0.0 else abs(speed.drift / speed.mean)
+    drift = None if speed is None or speed[1] == 0.0 else abs(speed[0] / speed[1])
     known = [
         value <= most
         for value, most in ((fuel_change, MAX_FUEL_CHANGE), (drift, MAX_AIRSPEED_DRIFT))
@@ -469,6 +471,7 @@ def assess_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality
         airspeed_drift=drift,
         separation_factor=_compute_separation_factor(store, maneuver),
         time_invariant=all(known) if known else None,
+        contradictions=warn_of_air_data(store, maneuver),
     )
 
 

@@ -295,6 +295,8 @@ def _warn_of_condition(report: QualityReport) -> Iterator[QualityWarning]:
         severity = _BAD if drift > UNUSABLE_DRIFT else _WARNING
         text = f"Airspeed drifted by {drift:.1%}: a time-invariant model is not valid."
         yield _warn(severity, "condition", text)
+    for text in condition.contradictions:
+        yield _warn(_BAD, "condition", text)
 
 
 def _warn_of_record(

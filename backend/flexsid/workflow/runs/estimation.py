@@ -87,6 +87,7 @@ from flexsid.workflow.fits.run_warnings import (
 from flexsid.workflow.measurements.flight_records import read_flight_record
 from flexsid.workflow.measurements.maneuver_spectra import (
     read_measurement,
+    warn_of_air_data,
     warn_of_airspeed_drift,
     widen_by_spread,
 )
@@ -267,6 +268,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
     assumed = modes.warnings if structure.modes else ()
     shape_errors = _list_shape_errors(aircraft, first, data[0].model, outputs, modes, structure)
     drifts = tuple(text for one in maneuvers for text in warn_of_airspeed_drift(store, one))
+    air_data = tuple(text for one in maneuvers for text in warn_of_air_data(store, one))
 
     def list_warnings(method: Method) -> tuple[str, ...]:
         max_omega = data[0].measurement.max_omega
@@ -274,7 +276,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
             method, structure, first, aircraft, own_model, max_omega, modes.names, modes.symmetric
         )
         unknown = warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names)
-        return (*assumed, *of_request, *unknown, *drifts)
+        return (*assumed, *of_request, *unknown, *drifts, *air_data)
 
     task = EstimationTask(
         method=run.method,
@@ -431,9 +433,8 @@ def _prepare_maneuver(
 ) -> ManeuverTask:
     own, body = structure.modes, find_body(structure.axis)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
-    # A frequency shape has lags, whose states at the ends are not modelled; both axes of a
-    # combined maneuver are compared at equal frequencies.
-    free_ends = not settings.aerodynamics.is_shaped and maneuver.axis != COMBINED
+    # A frequency shape has lags, whose states at the ends are not modelled.
+    free_ends = not settings.aerodynamics.is_shaped
     measurement = read_measurement(
         store, maneuver, aircraft, inputs, outputs, settings.band_hz, body, free_ends=free_ends
     )
@@ -441,6 +442,8 @@ def _prepare_maneuver(
     opposed, pairs = None, {}
     if maneuver.axis == COMBINED and with_opposed:
         opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
+        if opposed is not None and opposed.measurement.max_omega != measurement.max_omega:
+            opposed = None  # recorded over another window, and thus at other frequencies
         pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
 
     def build_wrong_models(shapes: StructuralModes) -> dict[str, AeroelasticModel]:

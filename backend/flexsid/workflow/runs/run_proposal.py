@@ -35,6 +35,10 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_prediction,
 )
 from flexsid.workflow.measurements.flight_records import list_moving
+from flexsid.workflow.measurements.maneuver_spectra import (
+    warn_of_air_data,
+    warn_of_airspeed_drift,
+)
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
 from flexsid.workflow.measurements.sensor_responses import find_excited_band
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
@@ -233,7 +237,13 @@ def _propose(
         structure = replace(structure, inputs=inputs)  # parts of the recorded surfaces
     modes = tuple(replace(m, proposed=m.number in structure.modes) for m in found.modes)
     names = tuple(output.name for output in outputs)
-    return _describe_proposal(first, structure, settings, basis, inputs, names, modes, found)
+    proposal = _describe_proposal(first, structure, settings, basis, inputs, names, modes, found)
+    spread = (
+        text
+        for one in maneuvers
+        for text in (*warn_of_airspeed_drift(store, one), *warn_of_air_data(store, one))
+    )
+    return replace(proposal, warnings=(*proposal.warnings, *spread))
 
 
 def _pick_excited(maneuver: Maneuver, inputs: tuple[str, ...]) -> tuple[str, ...]:

@@ -1,12 +1,13 @@
-import { Alert, Button, List, Stack, Text } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
+import { Alert, Button, Group, List, MultiSelect, Stack, Text } from "@mantine/core";
+import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useTakeCorrections } from "../../api/commands";
-import { modalTablesQuery } from "../../api/queries";
+import { maneuversQuery, modalTablesQuery } from "../../api/queries";
 import { storedResult } from "../../api/storedResult";
 import type { Compatibility, Maneuver, SensorEstimate, SensorFault } from "../../api/types";
 import { useConversion } from "../../api/units";
-import { fixed, withError } from "../../lib/text/format";
+import { count, fixed, withError } from "../../lib/text/format";
+import { integers } from "../../lib/urlState";
 import { ComputedResult } from "../display/ComputedResult";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { TAKE } from "./corrections";
@@ -15,6 +16,7 @@ import { Empty } from "../display/Empty";
 import { Loaded } from "../display/Loaded";
 import { ProblemAlert } from "../display/ProblemAlert";
 import { Section } from "../display/Section";
+import type { ManeuverTabProps } from "../maneuvers/TimeHistoryTab";
 
 const STATES = {
   compatible: { title: "Compatible", color: "green" },
@@ -22,8 +24,11 @@ const STATES = {
   unchecked: { title: "Cannot be checked", color: "gray" },
 } as const;
 
-/** The sensors of a maneuver compared by kinematics: faults first, then every sensor. */
-export function CompatibilityTab({ maneuver }: { maneuver: Maneuver }) {
+/** Maneuvers of one comparison. */
+const MOST = 50;
+
+/** The sensors of maneuvers compared by kinematics: faults first, then every sensor. */
+export function CompatibilityTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const tables = useQuery(modalTablesQuery(maneuver.aircraft_id));
   return (
     <Loaded query={tables} rows={8}>
@@ -42,17 +47,84 @@ export function CompatibilityTab({ maneuver }: { maneuver: Maneuver }) {
             compares its sensors with the structural modes.
           </Empty>
         ) : (
-          <ComputedResult
-            options={storedResult("/api/v1/compatibility", {
-              query: { maneuver_ids: String(maneuver.id) },
-            })}
-            rows={8}
-          >
-            {(report) => <Report id={maneuver.id} report={report} />}
-          </ComputedResult>
+          <Stack gap="md">
+            <Together
+              maneuver={maneuver}
+              value={view.compared ?? []}
+              onChange={(ids) => {
+                onChange({ compared: integers(ids) });
+              }}
+            />
+            <ComputedResult
+              options={storedResult("/api/v1/compatibility", {
+                query: { maneuver_ids: [maneuver.id, ...(view.compared ?? [])].join(",") },
+              })}
+              rows={8}
+            >
+              {(report) => <Report id={maneuver.id} report={report} />}
+            </ComputedResult>
+          </Stack>
         )
       }
     </Loaded>
+  );
+}
+
+interface TogetherProps {
+  maneuver: Maneuver;
+  value: number[];
+  onChange: (ids: string[]) => void;
+}
+
+/** Further maneuvers of the aircraft, whose recorder has the same faults. */
+function Together({ maneuver, value, onChange }: TogetherProps) {
+  const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
+  const others = (campaign.data?.pages ?? [])
+    .flatMap((page) => page.items)
+    .filter(
+      (item) =>
+        item.id !== maneuver.id &&
+        item.aircraft_id === maneuver.aircraft_id &&
+        item.axis !== "ground",
+    );
+  if (campaign.isError) return <ProblemAlert error={campaign.error} />;
+  if (campaign.isSuccess && others.length === 0) {
+    return (
+      <Text size="sm" className="quiet">
+        {maneuver.aircraft_name} has no further maneuver to compare the sensors over.
+      </Text>
+    );
+  }
+  const every = others.slice(0, MOST - 1).map((item) => String(item.id));
+  return (
+    <Group align="end" gap="sm" wrap="nowrap">
+      <MultiSelect
+        style={{ flex: 1 }}
+        label="Further maneuvers of the recorder"
+        description="A fault of the recorder is one in all of them: together they determine it better"
+        searchable
+        clearable
+        disabled={campaign.isPending}
+        maxValues={MOST - 1}
+        data-testid="compared-maneuvers"
+        data={others.map((item) => ({
+          value: String(item.id),
+          label: `${item.label} (maneuver ${item.id})`,
+        }))}
+        value={value.map(String)}
+        onChange={onChange}
+      />
+      <Button
+        variant="default"
+        disabled={every.length === 0 || every.every((id) => value.includes(Number(id)))}
+        data-testid="compare-all"
+        onClick={() => {
+          onChange(every);
+        }}
+      >
+        {every.length < others.length ? `First ${MOST}` : "All of the aircraft"}
+      </Button>
+    </Group>
   );
 }
 
@@ -87,7 +159,7 @@ function Report({ id, report }: { id: number; report: Compatibility }) {
         note={
           band === null
             ? "Not compared"
-            : `Each as if it were at fault alone, from ${fixed(band[0], 2)} to ${fixed(band[1], 2)} Hz; ± are standard errors, bold what exceeds four of them`
+            : `Over ${count(report.maneuver_ids.length, "maneuver")}, each as if it were at fault alone, from ${fixed(band[0], 2)} to ${fixed(band[1], 2)} Hz; ± are standard errors, bold what exceeds four of them`
         }
       >
         <Sensors sensors={report.sensors} />
