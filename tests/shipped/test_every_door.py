@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from typing import Any
 import pytest
 from mcp import Client as AgentClient
 from mcp.client.stdio import StdioServerParameters
-from shipped import PROGRAM, Client, Server, ask_command, make_environment, serving
+from shipped import PROGRAM, Client, Server, ask_command, make_environment, run_command, serving
 from waiting import wait_until
 
 MANEUVER = 2
@@ -135,6 +136,49 @@ def test_page_rest_command_client_batch_template_and_agent_request_one_run(
     run = client.get(f"runs/{first}")
     assert run["settings"] == proposal["settings"]
     assert run["structure"] == proposal["structure"]
+
+
+EVERY_OPTION: dict[str, tuple[str | None, dict[str, Any]]] = {
+    "--axis": ("longitudinal", {"structure": {"axis": "longitudinal"}}),
+    "--modes": ("7,9", {"structure": {"modes": [7, 9]}}),
+    "--inputs": ("bfs,wf1s,wf4s", {"structure": {"inputs": ["bfs", "wf1s", "wf4s"]}}),
+    "--outputs": (
+        "alpha,q,theta,az_ofr",
+        {"structure": {"outputs": ["alpha", "q", "theta", "az_ofr"]}},
+    ),
+    "--free": ("CZ_alpha,Cm_alpha,Cm_q", {"structure": {"free": ["CZ_alpha", "Cm_alpha", "Cm_q"]}}),
+    "--free-delays": (None, {"structure": {"free_delays": True}}),
+    "--extra-parameters": ("scale_alpha", {"structure": {"extra_parameters": ["scale_alpha"]}}),
+    "--band": ("0.6,8.0", {"settings": {"band_hz": [0.6, 8.0]}}),
+    "--start": ("prediction", {"settings": {"start": "prediction"}}),
+    "--max-iterations": ("2", {"settings": {"max_iterations": 2}}),
+    "--noise": ("full", {"settings": {"noise": "full"}}),
+    "--prior-spread": ("0.4", {"settings": {"prior_spread": 0.4}}),
+    "--out-of-band-modes": ("omitted", {"settings": {"out_of_band_modes": "omitted"}}),
+    "--additional-maneuvers": ("4", {"settings": {"additional_maneuver_ids": [4]}}),
+}
+"""Options of `flexsid run` with a value that is not the default, and the same over REST."""
+
+
+def test_options_of_the_command_are_fields_of_the_interface(
+    client: Client, database: Path, tmp_path: Path
+) -> None:
+    body: dict[str, Any] = {"maneuver_id": MANEUVER, "method": "OE"}
+    order = ["run", "--maneuver", str(MANEUVER), "--method", "OE"]
+    for option, (value, fields) in EVERY_OPTION.items():
+        order += [option] if value is None else [option, value]
+        for part, field in fields.items():
+            body[part] = body.get(part, {}) | field
+    first = client.send("post", "runs", body)["id"]
+    assert ask_command(tmp_path, f"sqlite:///{database}", *order)["id"] == first
+    run = client.get(f"runs/{first}")
+    for part in ("structure", "settings"):
+        assert {name: run[part][name] for name in body[part]} == body[part]
+    described = run_command(tmp_path, f"sqlite:///{database}", "run", "--help").stdout
+    known = set(re.findall(r"^ +(--[a-z-]+)", described, re.MULTILINE))
+    of_the_command = {"--database", "--json", "--maneuver", "--method", "--wait"}
+    named = {"--structure", "--template", "--start-run", "--aerodynamics"}  # need a record
+    assert known == EVERY_OPTION.keys() | of_the_command | named
 
 
 def test_a_search_proposes_what_the_run_of_the_record_supports(
