@@ -12,7 +12,11 @@ from rigid_record import AIRSPEED, simulate_doublet, write_record
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.air_data import compute_true_airspeed, find_contradictions
 from flexsid.workflow.measurements.maneuver_spectra import warn_of_air_data
-from flexsid.workflow.quality.maneuver_quality import assess_condition
+from flexsid.workflow.quality.maneuver_quality import (
+    QualityRequest,
+    assess_condition,
+    assess_maneuver,
+)
 from flexsid.workflow.runs.run_proposal import propose_run
 
 Columns = dict[str, np.ndarray]
@@ -75,3 +79,19 @@ def test_an_airspeed_that_drifts_at_its_probe_proposes_the_model_with_airspeed(
     warnings = propose_run(store, [maneuver.id or 0]).warnings
     assert any("falls by 3.6 m/s" in one and "longitudinal-airspeed" in one for one in warnings)
     assert assess_condition(store, maneuver).airspeed_drift == pytest.approx(0.06, rel=0.01)
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_a_density_that_drifts_is_named_by_quality_and_proposal(
+    store: Store, tmp_path: Path
+) -> None:
+    """A descent of 700 m within the record."""
+    columns = simulate_doublet()
+    columns |= {"rho": np.linspace(0.96, 1.04, columns["t"].size)}
+    maneuver = store_record(store, tmp_path, columns, channel("rho", "density", "kg/m3"))
+    assert any(
+        "density rises by 8%" in one for one in propose_run(store, [maneuver.id or 0]).warnings
+    )
+    report = assess_maneuver(store, QualityRequest(maneuver_id=maneuver.id or 0)).report
+    assert report.condition.time_invariant is False
+    assert any(one.text.startswith("Density drifted by 8%") for one in report.warnings)

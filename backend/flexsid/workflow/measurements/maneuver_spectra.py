@@ -457,6 +457,9 @@ def _assign_inputs(
 MAX_AIRSPEED_DRIFT = 0.03
 """Relative drift of airspeed; dynamic pressure drifts twice as much."""
 
+MAX_DENSITY_DRIFT = 2.0 * MAX_AIRSPEED_DRIFT
+"""Relative drift of density with the same drift of dynamic pressure."""
+
 UNUSABLE_DRIFT = 3.0 * MAX_AIRSPEED_DRIFT
 """Relative drift with which no derivative is that of one condition."""
 
@@ -536,7 +539,7 @@ def _warn_of_drift(store: Store, maneuver: Maneuver) -> Iterator[str]:
     if "density" in {channel.name for channel in known}:
         ((_, values),) = load_channels(store, maneuver.id, ["density"])
         mean, drift = float(np.mean(values)), compute_drift(values)
-        if abs(drift) > 2.0 * MAX_AIRSPEED_DRIFT * abs(mean):
+        if abs(drift) > MAX_DENSITY_DRIFT * abs(mean):
             yield (
                 f"{maneuver.label}: the density {'rises' if drift > 0.0 else 'falls'} by "
                 f"{abs(drift / mean):.0%} over the record, and dynamic pressure with it; the "

@@ -59,6 +59,7 @@ from flexsid.workflow.aircraft.flight_condition import (
 )
 from flexsid.workflow.measurements.maneuver_spectra import (
     MAX_AIRSPEED_DRIFT,
+    MAX_DENSITY_DRIFT,
     compute_airspeed_drift,
     compute_drift,
     load_channels,
@@ -458,9 +459,15 @@ def assess_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality
     fuel, speed = averages.get("fuel_fraction"), compute_airspeed_drift(store, maneuver)
     fuel_change = None if fuel is None else abs(fuel.drift)
     drift = None if speed is None or speed[1] == 0.0 else abs(speed[0] / speed[1])
+    air = averages.get("density")
+    of_density = None if air is None or air.mean == 0.0 else abs(air.drift / air.mean)
     known = [
         value <= most
-        for value, most in ((fuel_change, MAX_FUEL_CHANGE), (drift, MAX_AIRSPEED_DRIFT))
+        for value, most in (
+            (fuel_change, MAX_FUEL_CHANGE),
+            (drift, MAX_AIRSPEED_DRIFT),
+            (of_density, MAX_DENSITY_DRIFT),
+        )
         if value is not None
     ]
     return FlightConditionQuality(

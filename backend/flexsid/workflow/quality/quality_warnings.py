@@ -18,7 +18,11 @@ from flexsid.records.quality import (
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect
 from flexsid.text import join_names
 from flexsid.workflow.measurements.flight_records import MAX_CLIPPED
-from flexsid.workflow.measurements.maneuver_spectra import MAX_AIRSPEED_DRIFT, UNUSABLE_DRIFT
+from flexsid.workflow.measurements.maneuver_spectra import (
+    MAX_AIRSPEED_DRIFT,
+    MAX_DENSITY_DRIFT,
+    UNUSABLE_DRIFT,
+)
 from flexsid.workflow.quality.sensor_skews import RESOLVED_DELAY_STD_S
 
 # --- Data quality warnings of a maneuver and its verdict ------------------------------------------
@@ -295,6 +299,10 @@ def _warn_of_condition(report: QualityReport) -> Iterator[QualityWarning]:
         severity = _BAD if drift > UNUSABLE_DRIFT else _WARNING
         text = f"Airspeed drifted by {drift:.1%}: a time-invariant model is not valid."
         yield _warn(severity, "condition", text)
+    air = next((one for one in condition.averages if one.name == "density"), None)
+    if air is not None and abs(air.drift) > MAX_DENSITY_DRIFT * abs(air.mean):
+        text = f"Density drifted by {abs(air.drift / air.mean):.0%}, and dynamic pressure with it."
+        yield _warn(_WARNING, "condition", text)
     for text in condition.contradictions:
         yield _warn(_BAD, "condition", text)
 
