@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method
 from flexsid.records.validation import ComparedLevel, RepeatedLevels
+from flexsid.storage.content import hash_maneuvers, hash_record
 from flexsid.storage.store import Store
 from flexsid.sysid.adequacy.equal_levels import find_levels
 from flexsid.workflow.review.condition_sheet import list_conditions
@@ -35,7 +36,7 @@ def list_repeated_levels(store: Store, aircraft_id: int) -> list[RepeatedLevels]
     for condition in list_conditions(store, aircraft_id):
         maneuvers = [store.maneuvers.get(record.maneuver_id) for record in condition.records]
         for repeated in _group_by_multisine(maneuvers):
-            by_input = [measure_amplitudes(store, one) for one in repeated]
+            by_input = _measure_once(store, aircraft_id, repeated)
             odd = find_odd_inputs(by_input)
             group = [one for k, one in enumerate(repeated) if k not in odd]
             amplitudes = np.array(
@@ -52,6 +53,30 @@ def list_repeated_levels(store: Store, aircraft_id: int) -> list[RepeatedLevels]
                     levels=tuple(_build_levels(group, amplitudes, runs)),
                 )
             )
+    return found
+
+
+_MOST_MEASURED = 20_000  # of 200 bytes
+
+# By a hash of what is measured: a campaign asks for the same amplitudes at every read, and
+# transforming a record takes 12 ms.
+_measured: dict[tuple[str, str], dict[str, float]] = {}
+
+
+def _measure_once(
+    store: Store, aircraft_id: int, maneuvers: Sequence[Maneuver]
+) -> list[dict[str, float]]:
+    """Measure the amplitudes of maneuvers; those that were measured before are not transformed."""
+    of_aircraft = hash_record(store.database, "aircraft", [aircraft_id])
+    hashes = hash_maneuvers(store.database, [one.id or 0 for one in maneuvers])
+    found = []
+    for one in maneuvers:
+        key = hashes[one.id or 0][1], of_aircraft
+        if key not in _measured:
+            if len(_measured) >= _MOST_MEASURED:
+                _measured.clear()
+            _measured[key] = measure_amplitudes(store, one)
+        found.append(_measured[key])
     return found
 
 
