@@ -15,6 +15,7 @@ from flexsid.sysid.estimation.nuisance import (
     build_nuisance_prior,
     compute_prior_shares,
     compute_prior_std,
+    estimate_shape_spread,
     estimate_spread,
 )
 from flexsid.sysid.model.derivatives import list_derivative_names
@@ -130,6 +131,18 @@ def test_spread_does_not_use_nuisance_parameters_or_missing_errors():
     every = build_estimate(far, 0.1, frozenset(NAMES))
     unknown = build_estimate(far, np.nan, frozenset())
     assert estimate_spread(every, prior) == estimate_spread(unknown, prior) == 0.3
+
+
+@pytest.mark.parametrize(("true", "least", "most"), [(0.05, 0.04, 0.08), (2.0, 0.3, 1.0 / 3.0)])
+def test_spread_of_mode_shapes_is_that_of_a_correlated_model(
+    true: float, least: float, most: float
+):
+    errors = true * np.random.default_rng(5).normal(size=len(NAMES))
+    estimate = build_estimate(errors, 0.01, frozenset(NAMES))
+    spread = 0.1
+    for _ in range(3):  # each from the one before, as a fit does
+        spread = estimate_shape_spread(estimate, dict.fromkeys(NAMES, 1.0), spread, 0.1)
+    assert least < spread <= most
 
 
 def test_shares_of_priors_are_those_of_a_linear_model():

@@ -48,6 +48,10 @@ _SPREAD_PRIOR = 0.5  # standard deviation of the logarithm of a spread about PRI
 _FACTORS = np.geomspace(0.01, 5.0, 120)  # searched, on the spread of mode shapes in a fit
 _LEAST_INFORMATION = 0.01  # of the data over that of the prior
 _FACTOR_PRIOR = 1.0  # standard deviation of its logarithm: shapes are wrong by 3 to 30 %
+_LARGEST_SHAPE_SPREAD = 1.0 / 3.0
+"""Of mode shapes, relative to their root mean square: shapes of a MAC of 0.9 with the true ones,
+the lowest that a correlated model has (1 / (1 + s^2) for independent errors s). Larger ones explain
+other model errors, and leave the shapes free. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +248,8 @@ def estimate_shape_spread(
     noise. K is taken from
     the corrected covariance V (K + I) V, direction by direction of V; one that the data do not
     determine has no part. Returned is the upper standard deviation of the posterior on a grid of
-    the factor f, as of the spread of predictions.
+    the factor f, as of the spread of predictions; ``_LARGEST_SHAPE_SPREAD`` at most, or what is
+    assumed.
     """
     index = [k for k, name in enumerate(estimate.names) if name in sizes]
     size = present * np.array([sizes[estimate.names[k]] for k in index])
@@ -261,11 +266,12 @@ def estimate_shape_spread(
     sandwich = np.einsum("ij,ik,kj->j", axes, corrected, axes) / variances**2 - 1.0
     noise = np.maximum(sandwich, information)
     known = information > _LEAST_INFORMATION
-    total = noise[known] + _FACTORS[:, None] ** 2 * information[known] ** 2
+    factors = _FACTORS[_FACTORS * present <= max(_LARGEST_SHAPE_SPREAD, assumed)]
+    total = noise[known] + factors[:, None] ** 2 * information[known] ** 2
     log_likelihood = -0.5 * np.sum(np.log(total) + along[known] ** 2 / total, axis=1)
-    log_likelihood -= 0.5 * (np.log(_FACTORS * present / assumed) / _FACTOR_PRIOR) ** 2
+    log_likelihood -= 0.5 * (np.log(factors * present / assumed) / _FACTOR_PRIOR) ** 2
     posterior = np.cumsum(np.exp(log_likelihood - log_likelihood.max()))
-    return present * float(np.interp(_QUANTILE, posterior / posterior[-1], _FACTORS))
+    return present * float(np.interp(_QUANTILE, posterior / posterior[-1], factors))
 
 
 def compute_prior_shares(
