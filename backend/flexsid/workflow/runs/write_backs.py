@@ -362,11 +362,6 @@ def _list_warnings(found: _Posterior) -> tuple[str, ...]:
             "The tests for remaining model error reject this run; its standard errors may be too "
             f"small: {found.result.adequacy.reason}"
         )
-    if found.table is not None and not found.updates:
-        warnings.append(
-            "The run estimated no frequency and no damping: those of the modal table stay. Free "
-            "omega_<mode> and zeta_<mode> in its model structure to update them."
-        )
     return tuple(warnings)
 
 
@@ -384,7 +379,10 @@ def _describe(store: Store, found: _Posterior) -> str:
         parts.append(f"frequency or damping of {count_noun(len(found.updates), 'mode')}")
     maneuvers = ", ".join(map(str, found.maneuver_ids))
     noun = "maneuver" if len(found.maneuver_ids) == 1 else "maneuvers"
+    rest = ""
+    if found.table is not None and not found.updates:
+        rest = " The frequencies and damping of the modal table stay: the run estimated none."
     return (
         f"Posterior of {found.run.method} run {found.run.id} with the data of {noun} {maneuvers}: "
-        f"{', '.join(parts)}, as prediction '{_name_version(store, found)}'."
+        f"{', '.join(parts)}, as prediction '{_name_version(store, found)}'.{rest}"
     )

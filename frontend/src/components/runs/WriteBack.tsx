@@ -106,8 +106,8 @@ function WriteBacks({ aircraftId }: { aircraftId: number }) {
         </Link>
       ),
     },
-    { key: "what", header: "Written", render: (one) => one.sentence },
-    { key: "reason", header: "Reason", render: (one) => one.reason },
+    { key: "what", header: "Written", wraps: true, render: (one) => one.sentence },
+    { key: "reason", header: "Reason", wraps: true, render: (one) => one.reason },
     {
       key: "when",
       header: "Made",
