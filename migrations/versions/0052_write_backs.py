@@ -35,6 +35,7 @@ def upgrade() -> None:
         sa.Column("names", sa.JSON(), nullable=False),
         sa.Column("values", sa.JSON(), nullable=False),
         sa.Column("covariance", sa.String(length=64), nullable=False),
+        sa.Column("adequacy", sa.String(), nullable=False),
         sa.Column("prediction_id", sa.Integer(), nullable=False),
         sa.Column("former_prediction_id", sa.Integer(), nullable=True),
         sa.Column("modal_table_id", sa.Integer(), nullable=True),

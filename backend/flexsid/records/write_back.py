@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from flexsid.allowed import RequiredText
+from flexsid.records.run import AdequacyState
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -15,7 +16,8 @@ class WriteBack:
     ``maneuver_ids`` are the records whose data are in the posterior: those of the run, and those of
     the versions that it used. ``names`` with ``values`` are its parameters, ``covariance`` is the
     hash of the joint covariance of their errors, at ``fuel_fraction``; ``modes`` are those of the
-    model, retained ones included. The former versions stay; an undone write-back is no default.
+    model, retained ones included. ``adequacy`` is that of the run. The former versions stay; an
+    undone write-back is no default.
     """
 
     aircraft_id: int
@@ -29,6 +31,7 @@ class WriteBack:
     names: tuple[str, ...]
     values: tuple[float, ...]
     covariance: str
+    adequacy: AdequacyState
     prediction_id: int
     former_prediction_id: int | None = None
     modal_table_id: int | None = None

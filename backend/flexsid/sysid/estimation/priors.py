@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import linalg
 
 from flexsid.errors import BadInput
 
@@ -90,14 +90,14 @@ def build_information(
     place = [names.index(name) for name in joint.names]
     std = np.sqrt(np.diag(joint.covariance))
     try:
-        factor = linalg.cho_factor(joint.covariance / np.outer(std, std))
-    except linalg.LinAlgError as error:
+        factor = scipy.linalg.cho_factor(joint.covariance / np.outer(std, std))
+    except np.linalg.LinAlgError as error:
         raise BadInput(
             "the joint prior has a singular covariance; write back a posterior whose parameters "
             "are identifiable",
             code="bad-prior",
         ) from error
-    scaled = linalg.cho_solve(factor, np.eye(std.size))
+    scaled = scipy.linalg.cho_solve(factor, np.eye(std.size))
     information[np.ix_(place, place)] = 0.25 * (scaled + scaled.T) / np.outer(std, std)
     return information
 
@@ -113,7 +113,7 @@ def factor_information(
     size = np.sqrt(np.diag(information)[held])
     scaled = information[np.ix_(held, held)] / np.outer(size, size)
     left = np.zeros((len(information), held.size))
-    left[held] = size[:, None] * linalg.cholesky(scaled, lower=True) if held.size else 0.0
+    left[held] = size[:, None] * scipy.linalg.cholesky(scaled, lower=True) if held.size else 0.0
     return left
 
 

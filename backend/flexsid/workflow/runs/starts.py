@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, RunSettings, Start
+from flexsid.records.run import AdequacyState, EstimationRun, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.experiment import is_shape_error
 from flexsid.sysid.estimation.nuisance import NuisancePrior, build_nuisance_prior
@@ -375,6 +375,11 @@ def describe_write_backs(
             f"with the data of {list_maneuvers(used.maneuver_ids)}: fused with estimates from "
             "these, they would count twice."
         )
+        if used.adequacy is AdequacyState.SUSPECT:
+            sentences.append(
+                f"The tests of run {used.run_id}, whose posterior is the prior, reject its model: "
+                "standard errors that rest on it may be too small."
+            )
     sentences += [
         f"Write-back {one.id} has the data of this record and is not a prior of it: they would "
         "count twice."

@@ -158,6 +158,7 @@ def write_back(store: Store, run_id: int, reason: str, author: str = "") -> Writ
                 names=found.names,
                 values=tuple(found.values.tolist()),
                 covariance=store.arrays.put(found.covariance),
+                adequacy=found.result.adequacy.state,
                 prediction_id=prediction.id or 0,
                 former_prediction_id=None if found.base is None else found.base.id,
                 modal_table_id=None if table is None else table.id,
