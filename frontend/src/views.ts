@@ -319,7 +319,7 @@ export const RUN_TABS = {
   result: ["parameters", "poles", "correlation"],
   fit: ["fit", "residuals", "time"],
   checks: ["tests", "sensors", "aerodynamics", "posterior"],
-  record: ["provenance", "iterations"],
+  record: ["write-back", "provenance", "iterations"],
 } as const;
 
 export const runView = view((search) => ({

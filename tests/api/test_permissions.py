@@ -42,7 +42,8 @@ from flexsid.records.live import (
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
 from flexsid.records.modal_data import MeasuredResponses
 from flexsid.records.note import NoteRevision, NoteSubject, SavedView
-from flexsid.records.run import Batch, Method, RunSettings, RunTemplate
+from flexsid.records.run import AdequacyState, Batch, Method, RunSettings, RunTemplate
+from flexsid.records.write_back import WriteBack
 from flexsid.settings import Mode
 from flexsid.storage import access, tables
 from flexsid.storage.changes import adopt_records
@@ -156,6 +157,23 @@ def _fill(client: TestClient, store: Store) -> None:
                 prediction_id=None,
                 runs=(),
                 result=array,
+            )
+        )
+        store.write_backs.add(
+            WriteBack(
+                aircraft_id=1,
+                run_id=1,
+                run_hash="0" * 64,
+                reason="r",
+                sentence="",
+                maneuver_ids=(1,),
+                fuel_fraction=0.5,
+                modes=(),
+                names=(),
+                values=(),
+                covariance=array,
+                adequacy=AdequacyState.CONSISTENT,
+                prediction_id=1,
             )
         )
     adopt_records(store, 1)

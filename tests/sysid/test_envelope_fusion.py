@@ -49,8 +49,10 @@ def test_a_prior_is_removed_from_an_estimate():
     factor = rng.standard_normal((5, 9))
     of_data, data = np.linalg.inv(factor @ factor.T), rng.standard_normal(5)
     nuisance = np.array([False, False, True, False, False])
-    precision, mean = np.array([2.0, 0.0, 3.0, 0.5, 0.0]), rng.standard_normal(5)
-    shared = np.diag(np.where(nuisance, 0.0, precision))
+    precision, mean = np.diag([2.0, 0.0, 3.0, 0.5, 0.0]), rng.standard_normal(5)
+    precision[0, 2] = precision[2, 0] = 1.5  # the nuisance parameter alone has 3 - 1.5^2 / 2
+    shared = precision.copy()
+    shared[2, 2] = 1.5**2 / 2.0
     information = np.linalg.inv(of_data)
     C = np.linalg.inv(information + shared)
     theta = C @ (information @ data + shared @ mean)

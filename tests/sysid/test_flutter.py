@@ -386,8 +386,10 @@ def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(
         table = replace(true.derivatives, values=values)
         aircraft = replace(true, condition=at, modes=wrong, derivatives=table)
         stiffness = StiffnessError(np.full(4, 0.03), at.dynamic_pressure, slopes)
-        none = np.zeros(known.rows.size)
-        prior = DerivativePrior(none, none, nuisance=known.rows >= 2 + 4 - retained)
+        n = known.rows.size
+        prior = DerivativePrior(
+            np.zeros(n), np.zeros((n, n)), nuisance=known.rows >= 2 + 4 - retained
+        )
         parts.append(IdentifiedModes(aircraft, known, stiffness, prior))
     found = fuse_identified(parts, replace(parts[0].aircraft, condition=true.condition))
     prediction = predict_flutter(found, (25.0, 80.0))
@@ -564,17 +566,19 @@ def test_a_prior_that_runs_share_counts_once():
     aircraft, rng = flex28(2), np.random.default_rng(3)
     rows, columns = np.array([0, 1, 2]), np.array([0, 0, 2])
     prior = DerivativePrior(
-        np.array([0.0, 0.5, 1.0]), np.array([0.0, 4.0, 25.0]), np.zeros(3, dtype=bool)
+        np.array([0.0, 0.5, 1.0]),
+        np.array([[0.0, 0.0, 0.0], [0.0, 4.0, -3.0], [0.0, -3.0, 25.0]]),
+        np.zeros(3, dtype=bool),
     )
     truth = np.array([2.0, 0.4, 1.1])
-    information, moment, parts = np.diag(prior.precision), prior.precision * prior.mean, []
+    information, moment, parts = prior.precision.copy(), prior.precision @ prior.mean, []
     for _ in range(5):
         A = rng.normal(size=(30, 3)) * [1.0, 0.3, 0.0]
         own, data = A.T @ A, A.T @ (A @ truth + rng.normal(size=30))
         information, moment = information + own, moment + data
-        covariance = np.linalg.inv(own + np.diag(prior.precision))
+        covariance = np.linalg.inv(own + prior.precision)
         values = aircraft.derivatives.values.copy()
-        values[rows, columns] = covariance @ (data + prior.precision * prior.mean)
+        values[rows, columns] = covariance @ (data + prior.precision @ prior.mean)
         table = replace(aircraft.derivatives, values=values)
         uncertain = UncertainDerivatives(rows, columns, covariance)
         parts.append(IdentifiedModes(replace(aircraft, derivatives=table), uncertain, None, prior))
@@ -590,13 +594,13 @@ def test_a_mode_that_one_run_retained_and_another_estimated_is_fused():
     """The data of both count, and the prior of the first once; the mode is a result."""
     aircraft = flex28(2)
     place = np.array([0, 1]), np.array([0, 0])
-    prior = DerivativePrior(np.array([0.0, 0.5]), np.array([0.0, 4.0]), np.array([False, True]))
+    prior = DerivativePrior(np.array([0.0, 0.5]), np.diag([0.0, 4.0]), np.array([False, True]))
     information = [np.array([[3.0, 1.0], [1.0, 2.0]]), np.array([[5.0, -1.0], [-1.0, 4.0]])]
     means, priors = [np.array([1.0, 0.4]), np.array([1.1, 0.3])], [prior, None]
     parts, total, moment = [], np.diag([0.0, 4.0]), np.array([0.0, 2.0])
     for data, mean, own in zip(information, means, priors, strict=True):
         total, moment = total + data, moment + data @ mean
-        weight = np.diag(np.zeros(2) if own is None else own.precision)
+        weight = np.zeros((2, 2)) if own is None else own.precision
         covariance = np.linalg.inv(data + weight)
         values = aircraft.derivatives.values.copy()
         values[place] = covariance @ (data @ mean + weight @ prior.mean)

@@ -183,8 +183,8 @@ def test_too_few_frequencies_for_a_spectral_matrix_leave_the_fit_as_it_is(make_c
 
 def test_parameters_that_their_priors_hold_take_no_degrees_of_freedom():
     information = np.diag([4.0, 4.0, 1e6])
-    assert count_effective_parameters(information, np.zeros(3)) == 3.0
-    held = count_effective_parameters(information, np.array([0.0, 2.0, 1e6]))
+    assert count_effective_parameters(information, np.zeros((3, 3))) == 3.0
+    held = count_effective_parameters(information, np.diag([0.0, 2.0, 1e6]))
     assert held == pytest.approx(1.5)
 
 

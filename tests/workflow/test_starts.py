@@ -153,7 +153,7 @@ def test_flutter_prediction_knows_the_priors_of_the_analyst(flown_url: str):
     store.close()
     uncertain, prior = model.found.uncertain, model.found.prior
     assert prior is not None
-    (place,) = np.flatnonzero(prior.precision)
+    (place,) = np.flatnonzero(np.diag(prior.precision))
     assert (uncertain.rows[place], uncertain.columns[place]) == (1, 1)
-    assert (prior.mean[place], prior.precision[place]) == (-12.0, 0.25)
+    assert (prior.mean[place], prior.precision[place, place]) == (-12.0, 0.25)
     assert (1, 1) in model.found.places, "it is a result nevertheless"

@@ -55,6 +55,7 @@ from flexsid.api.routes import (
     uploads,
     validation,
     vibration_tests,
+    write_backs,
 )
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
 from flexsid.jobs.health import PartHealth, QueueHealth
@@ -288,6 +289,7 @@ def create_app(
         quality,
         uploads,
         modal_tables,
+        write_backs,
         model_structures,
         decisions,
         runs,

@@ -137,6 +137,7 @@ _NAMED = {
     ),
     "structure_id": "model_structures",
     **dict.fromkeys(("global_model_id", "base_global_model_id"), "global_model_versions"),
+    "write_back_id": "write_backs",
     "design_id": "designs",
     "controller_id": "controllers",
     "search_id": "searches",

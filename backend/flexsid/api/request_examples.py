@@ -327,6 +327,7 @@ BODIES: dict[str, Any] = {
     },
     "redesign_phases": {"name": "FTA 500, new phases", "effort": "quick"},
     "save_updated_table": {"name": "FEM updated", "test_ids": [2]},
+    "add_write_back": {"run_id": 1, "reason": "consistent with both methods"},
     "compute_prediction": {
         "aircraft_id": 1,
         "source": "Doublet lattice",

@@ -250,6 +250,8 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     add("validate", "models:validate", summary, _add_validation_options)
     summary = "fit a model of one's own, state-space matrices of a Python function"
     _add_grey_box_options(add("grey-box", "grey_box:fit_grey_boxes", summary))
+    summary = "write the posterior of a run back into modal table and prediction, or undo it"
+    _add_write_back_options(add("write-back", "write_backs:run_write_back", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
     _add_compatibility_options(add("compatibility", "data:check_compatibility", summary))
     summary = "take the corrections of the causes that rejected runs name"
@@ -317,6 +319,15 @@ def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) 
     option("--free", metavar="A,B", help=f"{free}; default: all")
     option("--free-delays", action="store_true", help="estimate the delay of every output")
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
+
+
+def _add_write_back_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "id of the run; without --reason, what would be written; default: list write-backs"
+    option("run", type=int, nargs="?", metavar="RUN", help=meaning)
+    option("--reason", metavar="TEXT", help="write it back, for this reason")
+    meaning = "undo this write-back: the former versions are the default again"
+    option("--undo", type=int, metavar="ID", help=meaning)
 
 
 def _add_grey_box_options(command: argparse.ArgumentParser) -> None:

@@ -475,6 +475,36 @@ class Workbench:
         query["run_ids"] = list(run_ids)
         return self.post("global-models/versions", {"label": label, "note": note}, **query)["id"]
 
+    def propose_write_back(self, run_id: int) -> dict[str, Any]:
+        """Return what a write-back of a run would write: every parameter before and after."""
+        return self.get("write-backs/proposal", run_id=run_id)
+
+    def write_back(self, run_id: int, reason: str) -> dict[str, Any]:
+        """Write the posterior of a run back, as new versions of its modal table and prediction.
+
+        Parameters
+        ----------
+        run_id
+            A succeeded run with its retained modes.
+        reason
+            Of the decision.
+
+        Returns
+        -------
+        dict
+            The write-back, with the ids of both versions and of the former ones.
+        """
+        return self.post("write-backs", {"run_id": run_id, "reason": reason})
+
+    def write_backs(self, aircraft_id: int | None = None) -> list[dict[str, Any]]:
+        """Return the write-backs, including undone ones, newest first."""
+        query = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
+        return self.get("write-backs", **query)["items"]
+
+    def undo_write_back(self, write_back_id: int) -> None:
+        """Undo a write-back: the former versions are the default again."""
+        self._connection.delete(f"write-backs/{write_back_id}")
+
     def save_global_prediction(
         self,
         run_ids: Iterable[int],

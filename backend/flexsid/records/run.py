@@ -433,6 +433,21 @@ class ModelAdequacy:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RunPosterior:
+    """Posterior of all parameters of a run, with those that are no results.
+
+    These are the derivatives of retained modes and the errors of mode shapes. ``covariance`` is the
+    hash of their joint covariance, in the order of ``names``; ``modes`` are those of the model,
+    retained ones included.
+    """
+
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    covariance: str
+    modes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunResult:
     """Result of a run; ``covariance`` is a hash, ordered as ``parameters``.
 
@@ -441,7 +456,8 @@ class RunResult:
     tests for remaining model error, ``symmetry`` those for an asymmetry of the aircraft, of
     maneuvers that excite both axes. ``error_causes`` are the errors that other runs may share,
     None of an earlier release. ``shape_spread`` is the estimated standard deviation of mode shapes
-    over their root mean square, None where the modal table states it.
+    over their root mean square, None where the modal table states it. ``posterior`` is None where a
+    parameter has no standard error, and of an earlier release.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -457,6 +473,7 @@ class RunResult:
     symmetry: ModelAdequacy | None = None
     error_causes: ErrorCauses | None = None
     shape_spread: float | None = None
+    posterior: RunPosterior | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -123,7 +123,7 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
             *("measured_responses", "predictions", "model_structures", "designs", "controllers"),
             *("saved_views", "review_rules", "decisions", "frozen_figures", "jobs", "batches"),
             *("searches", "audit_events", "live_streams", "global_model_versions", "notes"),
-            "run_templates",
+            *("run_templates", "write_backs"),
         )
     },
     **dict.fromkeys(

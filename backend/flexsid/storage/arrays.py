@@ -67,6 +67,7 @@ def _pairs(connection: Connection) -> Iterator[tuple[str, str]]:
         ("prediction", tables.predictions, ("values", "std_errors")),
         ("frozen figure", tables.frozen_figures, ("array",)),
         ("version of a global model", tables.global_model_versions, ("result",)),
+        ("write-back", tables.write_backs, ("covariance",)),
     ):
         for column in columns:
             for number, name in connection.execute(sa.select(table.c.id, table.c[column])):

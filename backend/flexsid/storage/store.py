@@ -35,6 +35,7 @@ from flexsid.records.note import NoteRevision, SavedView
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import Batch, RunTemplate
 from flexsid.records.search import StructureSearch
+from flexsid.records.write_back import WriteBack
 from flexsid.storage import tables
 from flexsid.storage.access import Quotas
 from flexsid.storage.arrays import Arrays, ModalShapes
@@ -99,6 +100,7 @@ class Store:
         self.predictions = Repository(
             database, tables.predictions, DerivativePrediction, "prediction"
         )
+        self.write_backs = Repository(database, tables.write_backs, WriteBack, "write-back")
         self.model_structures = Repository(
             database, tables.model_structures, ModelStructure, "model structure"
         )

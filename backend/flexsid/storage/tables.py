@@ -42,6 +42,7 @@ from flexsid.records.note import NoteRevision, SavedView
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import Batch, EstimationRun, RunTemplate
 from flexsid.records.search import StructureSearch
+from flexsid.records.write_back import WriteBack
 from flexsid.storage.columns import (
     ARRAY,
     HASH,
@@ -189,6 +190,18 @@ predictions = of_record(
     aircraft_id=refers_to("aircraft"),
     values=ARRAY,
     std_errors=ARRAY,
+)
+
+write_backs = of_record(
+    "write_backs",
+    WriteBack,
+    aircraft_id=refers_to("aircraft"),
+    prediction_id=refers_to("predictions"),
+    former_prediction_id=refers_to("predictions"),
+    modal_table_id=refers_to("modal_tables"),
+    former_modal_table_id=refers_to("modal_tables"),
+    covariance=ARRAY,
+    run_hash=HASH,
 )
 
 model_structures = of_record(

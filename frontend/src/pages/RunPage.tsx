@@ -26,6 +26,7 @@ import { RunIntegrity } from "../components/runs/RunIntegrity";
 import { RunOutcome } from "../components/runs/RunOutcome";
 import { SensorsTab } from "../components/runs/SensorsTab";
 import { TimeTab } from "../components/runs/TimeTab";
+import { WriteBack } from "../components/runs/WriteBack";
 import { overFrequency } from "../lib/figures/band";
 import { parseDerivative } from "../lib/derivatives";
 import { RUN_TABS, type RunView } from "../views";
@@ -192,6 +193,7 @@ function Results({ run }: { run: Run }) {
     sensors: ["Sensors", <SensorsTab {...tabProps} />],
     aerodynamics: ["Aerodynamics", <AerodynamicsVerdict runId={run.id} />],
     posterior: ["Posterior", <Posterior run={run} />],
+    "write-back": ["Write back", <WriteBack run={run} />],
     provenance: ["Provenance", <Provenance run={run} />],
     iterations: ["Iterations", panel("iterations", "Cost by iteration")],
   };

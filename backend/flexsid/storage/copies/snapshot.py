@@ -22,7 +22,10 @@ from flexsid.storage.tables import metadata
 
 _NAME = re.compile(r"\b[0-9a-f]{64}\b")
 _AT_ONCE = 500  # names in one query
-_OF_AIRCRAFT = (tables.modal_tables, tables.predictions, tables.controllers)
+_OF_AIRCRAFT = (
+    *(tables.modal_tables, tables.predictions, tables.controllers),
+    tables.write_backs,
+)
 _OF_MANEUVERS = (tables.channels, tables.conditioning_steps)
 _OF_MODAL_TABLES = (tables.modal_shapes, tables.mode_corrections)
 _BY_ID = (

@@ -159,13 +159,13 @@ def _maximize(
     level: _Level,
     weights: SpectralMatrix,
     mean: Float[np.ndarray, " n_theta"],
-    prior: Float[np.ndarray, " n_theta"],
+    prior: Float[np.ndarray, "n_theta n_theta"],
 ) -> _Level:
     """Take Gauss-Newton steps with weights that are held."""
     for _ in range(_MOST_STEPS):
         N, g = _expand(level, weights, prior)
         covariance = compute_bound(N)
-        step = 2.0 * covariance @ (g + prior * (mean - level.theta))
+        step = 2.0 * covariance @ (g + prior @ (mean - level.theta))
         errors = np.sqrt(np.diag(covariance))
         if not (np.isfinite(step).all() and (errors > 0.0).all()):
             break
@@ -179,19 +179,19 @@ def _maximize(
 
 
 def _expand(
-    level: _Level, weights: SpectralMatrix, prior: Float[np.ndarray, " n_theta"]
+    level: _Level, weights: SpectralMatrix, prior: Float[np.ndarray, "n_theta n_theta"]
 ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
     model = level.form.model
     response = model.respond(level.theta)
     residuals = model.experiment.measured - response.outputs
     N, g = level.form.equations(model.sensitivity(level.theta, response), residuals, weights)
-    return N + np.diag(prior), g
+    return N + prior, g
 
 
 def _estimate_covariance(
     level: _Level,
     weights: SpectralMatrix,
-    prior: Float[np.ndarray, " n_theta"],
+    prior: Float[np.ndarray, "n_theta n_theta"],
     noise: Complex[np.ndarray, "n_omega n_y"],
 ) -> Float[np.ndarray, "n_theta n_theta"]:
     """Estimate the covariance due to noise: priors have the same error at all levels."""

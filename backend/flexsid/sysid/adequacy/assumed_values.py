@@ -56,10 +56,10 @@ def compute_changes_by_assumptions(
     n_data = sum(2 * one.measured.size for one in experiments)
     inflation = n_data / max(n_data - theta.size, 1)
     _, information = build_prior(parameters, priors)
-    N, pull = np.diag(information), np.zeros((theta.size, len(causes)))
+    N, pull = information, np.zeros((theta.size, len(causes)))
     for experiment, models in zip(experiments, wrong_models, strict=True):
         final, response = evaluate_fit(experiment, parameters, theta, inflation)
-        N += final.form.matrix(final.sensitivity, final.weights)
+        N = N + final.form.matrix(final.sensitivity, final.weights)
         changes = np.zeros((*experiment.measured.shape, len(causes)), dtype=complex)
         for number, cause in enumerate(causes):
             if cause in models:

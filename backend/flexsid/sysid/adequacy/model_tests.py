@@ -261,8 +261,8 @@ def compute_model_tests(
     joint = np.sum([fit.compute_information() for fit in fits], axis=0)
     gradient = np.sum([fit.compute_gradient() for fit in fits], axis=0)
     mean, information = build_prior(parameters, priors)
-    inverse = invert_information(joint[:n_theta, :n_theta] + np.diag(information))
-    g = gradient[:n_theta] + information * (mean - theta)
+    inverse = invert_information(joint[:n_theta, :n_theta] + information)
+    g = gradient[:n_theta] + information @ (mean - theta)
     lever = inverse @ joint[:n_theta, n_theta:]
     # Columns of efficient sensitivities, in those to all quantities.
     efficient = np.concatenate([-lever, np.eye(lever.shape[1])])
@@ -274,7 +274,7 @@ def compute_model_tests(
         covariance=0.5
         * (
             overlap * np.sum([fit.compute_noise(efficient, inverse) for fit in fits], axis=0)
-            + lever.T @ (information[:, None] * lever)
+            + lever.T @ information @ lever
         ),
         residual_df=2.0 * (n_omega - n_theta / experiments[0].measured.shape[1]),
     )
@@ -287,7 +287,7 @@ def compute_model_tests(
     influences = compute_sensor_influences(
         [fit.final for fit in fits],
         information,
-        information * (mean - theta),
+        information @ (mean - theta),
         np.array([k for k, name in enumerate(parameters.names) if name not in nuisance]),
         overlap=overlap,
         residual_df=scores.residual_df,
@@ -325,7 +325,7 @@ def _step_to_efficient(
     experiments: Sequence[Experiment],
     parameters: Parameters,
     theta: Float[np.ndarray, " n_theta"],
-    prior: tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, " n_theta"]],
+    prior: tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]],
     inflation: float,
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]] | None:
     """Step on to the efficient estimate, by its own weights; return the inverse, too.
@@ -337,7 +337,7 @@ def _step_to_efficient(
     mean, information = prior
     value = theta
     for _ in range(_FURTHER_STEPS):
-        N, g = np.diag(information), information * (mean - value)
+        N, g = information, information @ (mean - value)
         for experiment in experiments:
             final, _ = evaluate_fit(experiment, parameters, value, inflation)
             own, gradient = final.form.equations(final.sensitivity, final.residuals, final.weights)

@@ -258,8 +258,8 @@ def sample_posterior(
         at: np.ndarray, weights: Sequence[noise.SpectralMatrix], *, with_matrix: bool
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Compute the potential, g = -1/2 of its gradient, and N."""
-        energy = float(prior @ (at - mean) ** 2)
-        g, N = prior * (mean - at), np.diag(prior)
+        g, N = prior @ (mean - at), prior
+        energy = float(g @ (mean - at))
         for model, form, W in zip(models, forms, weights, strict=True):
             response = model.respond(at)
             nu = model.experiment.measured - response.outputs
@@ -294,10 +294,10 @@ def sample_posterior(
 def _estimate_weights(
     models: Sequence[FrequencyDomainModel],
     theta: Float[np.ndarray, " n_theta"],
-    prior: Float[np.ndarray, " n_theta"],
+    prior: Float[np.ndarray, "n_theta n_theta"],
 ) -> list[noise.SpectralMatrix]:
     """Estimate the weights from the residuals, corrected for the fitted parameters."""
-    densities, information, n_data = [], np.diag(prior), 0
+    densities, information, n_data = [], prior, 0
     for model in models:
         experiment = model.experiment
         response = model.respond(theta)

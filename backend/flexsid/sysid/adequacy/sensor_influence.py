@@ -43,7 +43,7 @@ class SensorInfluence:
 
 def compute_sensor_influences(
     fits: Sequence[FinalSpectra],
-    prior_information: Float[np.ndarray, " n_theta"],
+    prior_information: Float[np.ndarray, "n_theta n_theta"],
     prior_gradient: Float[np.ndarray, " n_theta"],
     reported: np.ndarray,
     *,
@@ -58,7 +58,7 @@ def compute_sensor_influences(
     fits
         Sensitivities, residuals and diagonal weights of every maneuver at the estimate.
     prior_information, prior_gradient
-        Diagonal P of the priors in the normal matrix, and P (mean - theta).
+        Of the priors in the normal matrix, P, and P (mean - theta).
     reported
         Indices of the parameters that are results; nuisance parameters are none.
     overlap
@@ -92,15 +92,16 @@ def compute_sensor_influences(
     outputs = tuple(dict.fromkeys(name for fit in fits for name in _list_outputs(fit)))
     reduced = _ReducedFit(fits, outputs, prior_information, prior_gradient, reported)
     parts, gradients = reduced.parts, reduced.gradients
-    prior, reported = prior_information[reduced.kept], np.searchsorted(reduced.kept, reported)
-    T = _factor_inverse(parts.sum(axis=0) + np.diag(prior))
+    prior = prior_information[np.ix_(reduced.kept, reduced.kept)]
+    reported = np.searchsorted(reduced.kept, reported)
+    T = _factor_inverse(parts.sum(axis=0) + prior)
     g = T.T @ (gradients.sum(axis=0) + prior_gradient[reduced.kept])
     own_variance = np.sum(T**2, axis=1)[reported]
     noises = [
         _WeightedNoise(fit, A, inverse) for fit, A in zip(fits, reduced.weighted, strict=True)
     ]
     whole_score = np.sum([one.compute_score_covariance(reduced.columns) for one in noises], axis=0)
-    whole_prior = np.diag(prior) + reduced.priors.sum(axis=0)
+    whole_prior = prior + reduced.priors.sum(axis=0)
     result = []
     for o, name in enumerate(outputs):
         share = T.T @ parts[o] @ T
@@ -195,7 +196,8 @@ def _downdate(
 class _ReducedFit:
     """Normal equations of each output after elimination of its own nuisance parameters.
 
-    With the sensitivities E of an output to parameters with priors P_e that no other output has,
+    With the sensitivities E of an output to parameters with independent priors P_e that no other
+    output has,
     the others have the sensitivities J - E L, L = (Re E^H W E + P_e)^-1 Re E^H W J, and the errors
     of these priors the covariance 1/2 L^T P_e L of its score. The size of every matrix is then
     that of the parameters which outputs share.
@@ -216,11 +218,12 @@ class _ReducedFit:
         self,
         fits: Sequence[FinalSpectra],
         outputs: tuple[str, ...],
-        prior_information: Float[np.ndarray, " n_theta"],
+        prior_information: Float[np.ndarray, "n_theta n_theta"],
         prior_gradient: Float[np.ndarray, " n_theta"],
         reported: np.ndarray,
     ) -> None:
-        is_held = prior_information > 0.0
+        strength = np.diag(prior_information)
+        is_held = (strength > 0.0) & (np.count_nonzero(prior_information, axis=1) == 1)
         is_held[reported] = False
         own_parameters = fits[0].form.model.list_own_parameters()
         eliminated = [k for k in own_parameters if is_held[k]]
@@ -250,7 +253,7 @@ class _ReducedFit:
                 E = np.concatenate(
                     [root[:, at, None] * fit.sensitivity.own[rows].T for fit, _, root, at in places]
                 )
-                held = prior_information[single]
+                held = strength[single]
                 cross = sum_products(E, J)
                 L = linalg.solve(sum_products(E, E) + np.diag(held), cross, assume_a="pos")
                 own_gradient = sum_products(E, nu[:, None])[:, 0] + prior_gradient[single]

@@ -15,9 +15,9 @@ from flexsid.sysid.estimation.estimate import (
     Estimate,
     add_components,
     compute_shared_covariance,
-    name_priors,
 )
 from flexsid.sysid.estimation.linear_algebra import invert_triangular
+from flexsid.sysid.estimation.priors import name_priors
 
 # --- Agreement of several correlated estimates of one parameter -----------------------------------
 

@@ -21,6 +21,7 @@ from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.linear_algebra import sum_products
 from flexsid.sysid.estimation.noise import SpectralMatrix
+from flexsid.sysid.estimation.priors import build_information, factor_information
 
 # --- Leave-one-out residuals: residuals of each frequency against the fit to all others -----------
 
@@ -272,7 +273,7 @@ class FinalSpectra:
 def compute_covariance(
     lines: Sequence[FinalSpectra],
     information: Float[np.ndarray, "n_theta n_theta"],
-    prior_information: Float[np.ndarray, " n_theta"],
+    prior_information: Float[np.ndarray, "n_theta n_theta"],
     inflation: float,
 ) -> Covariance:
     """Compute the Cramer-Rao covariance and the one corrected for coloured residuals.
@@ -284,7 +285,7 @@ def compute_covariance(
     information
         Normal matrix N = Re sum J^H W J with these weights, priors included.
     prior_information
-        Diagonal of the priors in N, 1/(2 sigma^2).
+        Of the priors in N, 1/2 C^-1.
     inflation
         Correction of the residual variance for the fit: n_data / (n_data - n_theta).
 
@@ -297,10 +298,10 @@ def compute_covariance(
     plain form is then half too small. Residuals are leave-one-out residuals. Along singular
     directions of the information its floor is the only bound. The components of the noise are
     N^-1 Re J_k^H W nu_k of every frequency, in the proportion of their squares; those of the
-    priors N^-1 P sigma.
+    priors N^-1 L / sqrt(2), P = L L^T.
     """
     resolved, unresolved, lacking = _invert(information)
-    middle = np.diag(prior_information)
+    middle = prior_information
     noise_components = []
     for final in lines:
         alone = final
@@ -312,8 +313,7 @@ def compute_covariance(
         noise_components.append(resolved @ compute_scores(alone))
     plain = 0.5 * (resolved + unresolved)
     corrected = 0.5 * (resolved @ middle @ resolved + unresolved)
-    held = np.flatnonzero(prior_information)
-    prior_components = resolved[:, held] * np.sqrt(0.5 * prior_information[held])
+    prior_components = resolved @ factor_information(prior_information) * np.sqrt(0.5)
     return Covariance(
         _symmetric(plain),
         _symmetric(corrected),
@@ -498,10 +498,7 @@ def compute_input_noise_errors(
     W = density.inverse()
     form = NormalForm(model)
     information, _ = form.equations(sensitivity, residuals, W)
-    known = priors or {}
-    information += 0.5 * np.diag(
-        [known[n][1] ** -2.0 if n in known else 0.0 for n in estimate.names]
-    )
+    information += build_information(estimate.names, priors)
     H = model.respond_to_inputs(estimate.values, response)
     spread = (H * input_noise[:, None, :]) @ H.conj().transpose(0, 2, 1)
     per_frequency = noise.SpectralMatrix(spread, np.arange(len(spread)))

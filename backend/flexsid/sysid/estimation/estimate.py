@@ -6,13 +6,15 @@ between two estimates is that of the causes that both have.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 import scipy
 from jaxtyping import Bool, Complex, Float
+
+from flexsid.sysid.estimation.priors import name_priors
 
 # --- Error components: errors of an estimate by their causes, which other estimates share ---------
 
@@ -106,14 +108,6 @@ def compute_shared_covariance(
         own, other = _match_frequencies(first.omega[i], second.omega[j])
         total = total + np.sum(first.noise[i][:, own] * second.noise[j][:, other], axis=1)
     return total
-
-
-def name_priors(
-    names: Sequence[str], priors: Mapping[str, tuple[float, float]] | None
-) -> tuple[str, ...]:
-    """Name the priors in the order of the parameters: equal names have the same error."""
-    known = priors or {}
-    return tuple(f"{name} about {known[name][0]:.9g}" for name in names if name in known)
 
 
 def scale_rows(

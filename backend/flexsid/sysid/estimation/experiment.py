@@ -74,6 +74,11 @@ SHAPE_ERROR, ROTATION_ERROR = SHAPE_ERRORS = ("shape_error", "rotation_error")
 """Kinds of errors of mode shapes at outputs."""
 
 
+def is_shape_error(name: str) -> bool:
+    """Whether a parameter is the error of a mode shape at an output."""
+    return name.startswith(tuple(f"{kind}_" for kind in SHAPE_ERRORS))
+
+
 @dataclass(frozen=True, slots=True)
 class Extra:
     """A free quantity other than a derivative.

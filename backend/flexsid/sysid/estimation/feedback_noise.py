@@ -286,14 +286,14 @@ def _fit(
             points = [one.evaluate(theta) for one in maneuvers]
         except np.linalg.LinAlgError:  # no finite response
             return [], np.inf
-        cost = sum(point.cost for point in points) + float(prior @ (theta - mean) ** 2)
+        cost = sum(point.cost for point in points) + float((theta - mean) @ prior @ (theta - mean))
         return points, cost if np.isfinite(cost) else np.inf
 
     points, cost = evaluate(theta)
     damping, steps = 0.0, [IterationStep(0, cost, np.inf)]
     for number in range(1, _MAX_STEPS + 1):
         report(number)
-        N, g = np.diag(prior), prior * (mean - theta)
+        N, g = prior, prior @ (mean - theta)
         for one, point in zip(maneuvers, points, strict=True):
             part = one.expand(theta, point)
             N, g = N + part[0], g + part[1]

@@ -24,7 +24,6 @@ from flexsid.sysid.estimation.estimate import (
     IterationStep,
     Outcome,
     count_iterations,
-    name_priors,
 )
 from flexsid.sysid.estimation.experiment import SHAPE_ERRORS, Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import (
@@ -40,6 +39,7 @@ from flexsid.sysid.estimation.linear_algebra import (
     list_curvatures,
     solve_damped_step,
 )
+from flexsid.sysid.estimation.priors import build_information, name_priors
 
 Report = Callable[[int, float], None]
 _GOOD_REDUCTION = 0.75  # of the predicted cost reduction: no further trial is made
@@ -137,7 +137,7 @@ def maximize(
     """
     problem = _Problem(experiments, parameters, settings)
     n_data = sum(2 * e.measured.size for e in experiments)
-    n_free = int(np.count_nonzero(problem.prior_information == 0.0))
+    n_free = int(np.count_nonzero(np.diag(problem.prior_information) == 0.0))
     if n_data <= n_free:
         raise NotIdentifiable(
             f"{n_free} parameters are free but the data are only {n_data} "
@@ -173,7 +173,8 @@ class _Problem:
         if not all(np.isfinite(nu).all() for nu in residuals):
             return _State(theta, responses, residuals, [], np.inf)
         densities = []
-        cost = float(self.prior_information @ (theta - self.prior_mean) ** 2)
+        away = theta - self.prior_mean
+        cost = float(away @ self.prior_information @ away)
         for e, nu, power in zip(self.experiments, residuals, self.measured_powers, strict=True):
             density, part = noise.compute_residual_density(nu, power, e.group, self.settings.noise)
             densities.append(density)
@@ -242,8 +243,8 @@ class _Problem:
         model of other resonances. Near it, noise of that motion would cause bias.
         Source: Sanathanan and Koerner (1963).
         """
-        N = np.diag(self.prior_information)
-        g = self.prior_information * (self.prior_mean - state.theta)
+        N = self.prior_information.copy()
+        g = self.prior_information @ (self.prior_mean - state.theta)
         sensitivities = []
         for form, response, nu, W in zip(
             self.forms, state.responses, state.residuals, weights, strict=True
@@ -493,37 +494,38 @@ def describe_outcome(outcome: Outcome, steps: Sequence[IterationStep]) -> str:
 
 
 def count_effective_parameters(
-    information: Float[np.ndarray, "n_theta n_theta"], prior: Float[np.ndarray, " n_theta"]
+    information: Float[np.ndarray, "n_theta n_theta"],
+    prior: Float[np.ndarray, "n_theta n_theta"],
 ) -> float:
     """Compute the number of parameters that the data determine: n_theta - tr(P N^-1).
 
     Notes
     -----
-    N is the whole information and P the diagonal of the priors in it. A parameter that its
+    N is the whole information and P that of the priors in it. A parameter that its
     prior determines takes no degree of freedom from the residuals.
     Source: MacKay, Bayesian interpolation, Neural Computation 4 (1992), eq. 4.9.
     """
-    held = np.flatnonzero(prior)
+    held = np.flatnonzero(np.diag(prior))
     if not held.size:
-        return float(prior.size)
+        return float(len(prior))
     own = np.diag(information)
     size = 1.0 / np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
     scaled = information * np.outer(size, size)
-    strength = prior[held] * size[held] ** 2
+    strength = prior * np.outer(size, size)
     inverse = invert_regular(scaled)
     if inverse is None:
-        right = np.zeros((prior.size, held.size))
+        right = np.zeros((len(prior), held.size))
         right[held, np.arange(held.size)] = 1.0
         inverse = np.zeros_like(scaled)
         inverse[:, held] = np.linalg.lstsq(scaled, right, rcond=1e-13)[0]
-    removed = float(np.diag(inverse)[held] @ strength)
-    return prior.size - float(np.clip(removed, 0.0, held.size))
+    removed = float(np.sum(inverse * strength))
+    return len(prior) - float(np.clip(removed, 0.0, held.size))
 
 
 def build_prior(
     parameters: Parameters, priors: Mapping[str, tuple[float, float]] | None
-) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, " n_theta"]]:
-    """Return mean and information 1/(2 sigma^2) of every parameter; zero without a prior.
+) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
+    """Return the means of the priors, and their information 1/2 C^-1; zero without a prior.
 
     Raises
     ------
@@ -531,7 +533,6 @@ def build_prior(
         If a prior belongs to no free parameter or has no standard deviation.
     """
     mean = parameters.start.copy()
-    information = np.zeros_like(mean)
     for name, (value, sigma) in (priors or {}).items():
         if name not in parameters.names:
             raise BadInput(
@@ -546,10 +547,8 @@ def build_prior(
                 code="bad-prior",
                 name=name,
             )
-        index = parameters.names.index(name)
-        mean[index] = value
-        information[index] = 0.5 / sigma**2
-    return mean, information
+        mean[parameters.names.index(name)] = value
+    return mean, build_information(parameters.names, priors)
 
 
 def _predict_remaining(steps: Sequence[IterationStep]) -> float:

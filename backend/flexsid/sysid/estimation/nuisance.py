@@ -21,6 +21,7 @@ from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import ROTATION_ERROR, SHAPE_ERRORS, Experiment, Extra
+from flexsid.sysid.estimation.priors import build_information, factor_information
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
@@ -289,7 +290,8 @@ def compute_prior_shares(
     Returns
     -------
     Array
-        The priors in the order of the parameters; the shares of a result are one in sum at most.
+        The priors in the order of the parameters, of correlated ones in the order of
+        ``factor_information``; the shares of a result are one in sum at most.
 
     Notes
     -----
@@ -298,9 +300,8 @@ def compute_prior_shares(
     coloured residuals, it is an approximation and limited to one.
     """
     own = [k for k, name in enumerate(estimate.names) if name not in estimate.nuisance]
-    held = [k for k, name in enumerate(estimate.names) if name in priors]
-    std = np.array([priors[estimate.names[k]][1] for k in held])
-    through = estimate.covariance[np.ix_(own, held)] / std
+    left = factor_information(2.0 * build_information(estimate.names, priors))
+    through = estimate.covariance[own] @ left
     variance = np.diag(estimate.corrected_covariance)[own, None]
     shares = through**2 / overlap / np.where(variance > 0.0, variance, np.inf)
     return shares / np.maximum(shares.sum(axis=1, keepdims=True), 1.0)

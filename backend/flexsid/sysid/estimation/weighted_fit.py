@@ -212,10 +212,10 @@ def _expand(
     weights: Sequence[SpectralMatrix],
     theta: Float[np.ndarray, " n_theta"],
     mean: Float[np.ndarray, " n_theta"],
-    prior: Float[np.ndarray, " n_theta"],
+    prior: Float[np.ndarray, "n_theta n_theta"],
 ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, " n_theta"]]:
     """Compute the normal matrix and the gradient, priors included."""
-    N, g = np.diag(prior), prior * (mean - theta)
+    N, g = prior, prior @ (mean - theta)
     for one, W in zip(maneuvers, weights, strict=True):
         model = one.form.model
         response = model.respond(theta)
@@ -284,8 +284,7 @@ def _build(
     power = sum(_compute_weighted_power(one) for one in final)
     size = sum(2 * one.residuals.size for one in final)
     level = 2.0 * power / max(size - n_effective, 1.0)
-    of_data = (N - np.diag(prior)) / level
-    bound = compute_bound(of_data + np.diag(prior))
+    bound = compute_bound((N - prior) / level + prior)
     if found.lacking.size:
         return (
             estimate

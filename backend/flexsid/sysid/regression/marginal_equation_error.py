@@ -18,12 +18,12 @@ from flexsid.sysid.estimation.estimate import (
     ErrorComponents,
     Estimate,
     Outcome,
-    name_priors,
     scale_rows,
 )
 from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.linear_algebra import sum_products
 from flexsid.sysid.estimation.noise import SpectralMatrix, smooth_density
+from flexsid.sysid.estimation.priors import name_priors
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.regression.equation_error import (
     MotionNoise,

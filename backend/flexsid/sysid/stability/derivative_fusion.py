@@ -47,12 +47,14 @@ class StiffnessError:
 class DerivativePrior:
     """Prior of the estimated derivatives in their order; precision zero where there is none.
 
+    ``precision`` is the inverse of its covariance.
+
     ``nuisance`` are those that are no results. ``weight`` is that of a run whose data other
     runs share as well: one over their number.
     """
 
     mean: Float[np.ndarray, " n_theta"]
-    precision: Float[np.ndarray, " n_theta"]
+    precision: Float[np.ndarray, "n_theta n_theta"]
     nuisance: Bool[np.ndarray, " n_theta"]
     weight: float = 1.0
 
@@ -95,11 +97,12 @@ def join_priors(priors: Sequence[DerivativePrior | None]) -> DerivativePrior | N
     if not known:
         return None
     precision = np.stack([prior.precision for prior in known])
-    has_prior = precision > 0.0
+    has_prior = np.diagonal(precision, axis1=1, axis2=2) > 0.0
     count = np.maximum(has_prior.sum(axis=0), 1)
     mean = np.sum(np.stack([prior.mean for prior in known]), axis=0, where=has_prior) / count
     nuisance = np.all([prior.nuisance for prior in known], axis=0) & (len(known) == len(priors))
-    return DerivativePrior(mean, precision.sum(axis=0) / count, nuisance)
+    size = np.sqrt(count)  # of both rows and columns: the mean stays positive semidefinite
+    return DerivativePrior(mean, precision.sum(axis=0) / np.outer(size, size), nuisance)
 
 
 def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> IdentifiedModes:
@@ -349,14 +352,14 @@ def _fit_weighted(
         raise NotIdentifiable("a derivative without standard error cannot be weighted")
     n, outer = scale.size, np.outer(scale, scale)
     joint = join_priors(priors or ())
-    common = 0.0 if joint is None else joint.precision * scale**2
+    common = np.zeros(outer.shape) if joint is None else joint.precision * outer
     n_shared = 0 if shared is None else shared.modes.size
     size = n_powers * n
     information = np.zeros((size + n_shared, size + n_shared))
-    information[:size, :size] = np.kron(np.eye(n_powers), np.diag(np.broadcast_to(common, n)))
+    information[:size, :size] = np.kron(np.eye(n_powers), common)
     moment = np.zeros(size + n_shared)
     if joint is not None:
-        moment[:n] = common * joint.mean / scale
+        moment[:n] = common @ (joint.mean / scale)
     if shared is not None:
         information[size:, size:] = np.diag(shared.std**-2.0)
     parts = [
@@ -426,15 +429,15 @@ def _separate_data(
     """Remove the prior from an estimate; covariance and value are divided by ``scale``."""
     total = np.linalg.solve(C, np.eye(scale.size))
     total = 0.5 * (total + total.T)
-    precision, moment = np.zeros(scale.size), total @ value
+    precision, moment = np.zeros(total.shape), total @ value
     if prior is not None:
-        precision = prior.weight * prior.precision * scale**2
-        moment -= precision * prior.mean / scale
-    size, axes = np.linalg.eigh(total - np.diag(precision))
+        precision = prior.weight * prior.precision * np.outer(scale, scale)
+        moment -= precision @ (prior.mean / scale)
+    size, axes = np.linalg.eigh(total - precision)
     # A covariance wider than the prior, of coloured noise, has no data in that direction.
     is_data = size > 1e-12 * size[-1]
     size, axes = size[is_data], axes[:, is_data]
-    of_prior = np.einsum("ik,i,ik->k", axes, precision, axes)
+    of_prior = np.einsum("ik,ij,jk->k", axes, precision, axes)
     return _PartData(
         information=(axes * size) @ axes.T,
         moment=axes @ (axes.T @ moment),
@@ -571,6 +574,20 @@ def fit_envelope(
     return EnvelopeModel(model, own, outlying)
 
 
+def _marginalise_results(prior: DerivativePrior) -> Float[np.ndarray, "p p"]:
+    """Return the part of a prior's precision that is not that of its nuisance parameters alone."""
+    held = np.diag(prior.precision) > 0.0
+    own, nuisance = np.flatnonzero(held & ~prior.nuisance), np.flatnonzero(held & prior.nuisance)
+    found = np.zeros_like(prior.precision)
+    if own.size:
+        found[np.ix_(own, own)] = prior.precision[np.ix_(own, own)]
+        cross = prior.precision[np.ix_(own, nuisance)]
+        found[np.ix_(own, nuisance)], found[np.ix_(nuisance, own)] = cross, cross.T
+        factor = linalg.cho_factor(prior.precision[np.ix_(own, own)])
+        found[np.ix_(nuisance, nuisance)] = cross.T @ linalg.cho_solve(factor, cross)
+    return found
+
+
 def remove_prior(
     values: Float[np.ndarray, " p"],
     covariance: Float[np.ndarray, "p p"],
@@ -578,7 +595,8 @@ def remove_prior(
 ) -> tuple[Float[np.ndarray, " p"], Float[np.ndarray, "p p"]]:
     """Remove the prior of results from estimates; return those of the data alone.
 
-    Priors of nuisance parameters remain, since the results rest on them.
+    Priors of nuisance parameters remain, since the results rest on them: of a joint prior what it
+    is after marginalisation of the results.
 
     Notes
     -----
@@ -588,14 +606,14 @@ def remove_prior(
     """
     if prior is None:
         return values, covariance
-    precision = np.where(prior.nuisance, 0.0, prior.weight * prior.precision)
+    precision = prior.weight * _marginalise_results(prior)
     if not precision.any():
         return values, covariance
     sigma = np.sqrt(np.diag(covariance))
     L = linalg.cholesky(covariance / np.outer(sigma, sigma), lower=True) * sigma[:, None]
-    shares, axes = linalg.eigh(np.eye(values.size) - (L.T * precision) @ L)
+    shares, axes = linalg.eigh(np.eye(values.size) - L.T @ precision @ L)
     shares = np.maximum(shares, _LEAST_DATA)
     half = L @ axes / np.sqrt(shares)
     # theta_data - theta = C_data (P (theta - mu)), of which the covariance is half half^T.
-    moved = half @ (half.T @ (precision * (values - prior.mean)))
+    moved = half @ (half.T @ (precision @ (values - prior.mean)))
     return values + moved, half @ half.T

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from typing import Any, Protocol, TypeVar
 
@@ -21,6 +21,7 @@ from flexsid.sysid.model.frequency_shape import (
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.signals import interpolate
+from flexsid.workflow.aircraft.written_back import read_written_versions
 
 # --- Predicted derivatives at the fuel fraction of a maneuver -------------------------------------
 
@@ -132,6 +133,7 @@ def select_shaped_prediction(
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
     body: RigidBody,
+    candidates: Sequence[DerivativePrediction] | None = None,
 ) -> DerivativePrediction:
     """Select the requested prediction, or the newest that has a frequency shape for all of these.
 
@@ -145,11 +147,8 @@ def select_shaped_prediction(
         found = select_by_id(known, prediction_id, "prediction", code="wrong-prediction")
     else:
         names = set(list_derivative_names(modes, inputs, body))
-        covering = [
-            p
-            for p in store.predictions.find(aircraft_id=aircraft_id)
-            if p.unsteady is not None and names <= set(p.names)
-        ]
+        known = list_default_predictions(store, aircraft_id) if candidates is None else candidates
+        covering = [p for p in known if p.unsteady is not None and names <= set(p.names)]
         found = max(covering, key=lambda p: p.id or 0, default=None)
     if found is None or found.unsteady is None:
         raise BadInput(
@@ -158,6 +157,18 @@ def select_shaped_prediction(
             code="no-frequency-shape",
         )
     return found
+
+
+def list_default_predictions(
+    store: Store, aircraft_id: int, maneuver_ids: Sequence[int] = ()
+) -> list[DerivativePrediction]:
+    """List the predictions that a run of these maneuvers may have by default, newest version first.
+
+    Versions that were undone, or contain the data of these maneuvers, are none of them.
+    """
+    written = read_written_versions(store, aircraft_id, maneuver_ids)
+    known = written.list_defaults(store.predictions.find(aircraft_id=aircraft_id))
+    return sorted(known, key=written.rank, reverse=True)
 
 
 def list_predicted_modes(
@@ -174,18 +185,23 @@ def select_prediction(
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
     body: RigidBody = LONGITUDINAL,
+    candidates: Sequence[DerivativePrediction] | None = None,
 ) -> DerivativePrediction | None:
     """Select the requested prediction, or the one that covers most of these derivatives.
+
+    ``candidates`` are those that may be a default, as ``list_default_predictions``; of several that
+    cover as many, the first one is selected.
 
     Raises
     ------
     BadInput
         If the requested prediction belongs to another aircraft.
     """
-    known = store.predictions.find(aircraft_id=aircraft_id)
     if prediction_id is not None:
+        known = store.predictions.find(aircraft_id=aircraft_id)
         return select_by_id(known, prediction_id, "prediction", code="wrong-prediction")
     names = set(list_derivative_names(modes, inputs, body))
+    known = list_default_predictions(store, aircraft_id) if candidates is None else candidates
     covering = [p for p in known if names & set(p.names)]
     return max(covering, key=lambda p: len(names & set(p.names)), default=None)
 

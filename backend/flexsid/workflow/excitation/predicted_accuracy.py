@@ -350,7 +350,7 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     )
     retained = result.retained
     marginalised = () if retained is None else retained.parameters
-    priors = task.list_priors()
+    priors = task.list_priors().widen_to_independent()
     values = {row.name: row.value for row in (*result.parameters, *marginalised)}
     derivatives = [name for name in values if name in found.derivatives.named()]
     extras = [name for name in values if name not in derivatives]

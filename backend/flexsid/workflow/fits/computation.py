@@ -199,7 +199,8 @@ def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFi
     start = "none needed"
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
-    estimate = apply_priors(fit.estimate, task.priors)
+    priors = task.list_priors()
+    estimate = apply_priors(fit.estimate, {name: priors[name] for name in task.priors})
     task, parameters, estimate = _include_shape_errors(task, parameters, estimate, report)
     first = replace(parameters, start=estimate.values)
     adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, first)
@@ -459,7 +460,7 @@ class ComputedRun:
     ``modal_std`` are the standard deviations due to the modal table, ``condition_std`` those due
     to mass, inertia, airspeed and density, which the covariance does not include; ``shares`` those
     of the variances by their causes. ``shape_spread`` is that of mode shapes, None where it was not
-    estimated.
+    estimated, ``posterior`` the estimate of all parameters, with those that are no results.
     """
 
     estimate: Estimate
@@ -481,6 +482,7 @@ class ComputedRun:
     at_limit: tuple[str, ...] = ()
     moved: frozenset[str] = frozenset()
     retained: ComputedRetainedModes | None = None
+    posterior: Estimate | None = None
 
 
 def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
@@ -528,6 +530,8 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         warnings += warn_of_poor_prediction(task.spread)
         of_retained = set(task.mode_names[len(task.structure.modes) :])
         poles = tuple(pole for pole in poles if pole.name not in of_retained)
+    passing = estimate.nuisance - task.marginalised  # states at the ends of records
+    posterior = estimate.select([n for n in estimate.names if n not in passing])
     estimate = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
     return ComputedRun(
         estimate=estimate,
@@ -557,6 +561,7 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         condition_std=condition_std,
         shares=shares,
         shape_spread=task.shape_spread if task.assumed.intersection(task.extras) else None,
+        posterior=posterior if np.isfinite(posterior.std_errors).all() else None,
     )
 
 

@@ -79,7 +79,8 @@ def fit_consistent_equation_error(
 def _build_prior(task: EstimationTask) -> RetainedPrior | None:
     if task.nuisance is None:
         return None
-    by_name = task.nuisance.list_priors(task.nuisance_names, task.spread)
+    priors = task.list_priors().widen_to_independent()
+    by_name = {name: priors[name] for name in task.nuisance_names}
     return RetainedPrior(by_name, len(task.structure.modes))
 
 

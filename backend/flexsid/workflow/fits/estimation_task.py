@@ -36,6 +36,7 @@ from flexsid.sysid.estimation.nuisance import (
     estimate_shape_spread,
     estimate_spread,
 )
+from flexsid.sysid.estimation.priors import JointCovariance, Priors
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles, find_moved_poles
@@ -64,6 +65,19 @@ def read_versions() -> dict[str, str]:
 
 
 # --- Task of an estimation: its maneuvers, models, starts and priors, without a database ----------
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenPrior:
+    """Posterior of an earlier run that was written back, as the prior of another record.
+
+    ``joint`` is the covariance of the errors of ``means``; ``names`` are all parameters that were
+    written, whose predictions show nothing about the errors of the others.
+    """
+
+    means: dict[str, float]
+    joint: JointCovariance
+    names: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +126,8 @@ class EstimationTask:
     ``spread`` is that of the nuisance prior. ``shape_errors`` are the standard deviations of the
     errors of mode shapes at the outputs, by parameter; those of ``assumed`` shapes, of which the
     modal table states none, are multiplied by ``shape_spread``. A fit estimates both spreads.
-    ``drifts`` say where the condition of a maneuver is not one.
+    ``drifts`` say where the condition of a maneuver is not one. ``written`` is the posterior of an
+    earlier run, which replaces the priors of its parameters.
     """
 
     method: Method
@@ -136,6 +151,7 @@ class EstimationTask:
     drifts: tuple[str, ...] = ()
     assumed: frozenset[str] = frozenset()
     shape_spread: float = 1.0
+    written: WrittenPrior | None = None
 
     def with_spreads(
         self,
@@ -162,6 +178,7 @@ class EstimationTask:
         spread, of_shapes = self.spread, self.shape_spread
         if self.nuisance is not None:
             passing = estimate.nuisance.difference(self.nuisance_names)  # states at ends of records
+            passing |= frozenset() if self.written is None else self.written.names
             own = estimate.select([name for name in estimate.names if name not in passing])
             spread = estimate_spread(own, self.nuisance)
         sizes = {n: std for n, std in self.shape_errors.items() if n in self.assumed}
@@ -207,8 +224,25 @@ class EstimationTask:
         """Names of all parameters that are no results: with errors of mode shapes."""
         return frozenset((*self.nuisance_names, *self.shape_errors))
 
-    def list_priors(self) -> dict[str, tuple[float, float]]:
-        """Return the priors of the analyst, and those of the parameters that are no results."""
+    def list_priors(self) -> Priors:
+        """Return the priors of the analyst, and those of the parameters that are no results.
+
+        Those that were written back are jointly normal. Equation error holds the errors of mode
+        shapes at zero, and has independent priors with their bound.
+        """
+        priors = self._list_independent_priors()
+        if self.written is None:
+            return Priors(priors)
+        joint = self.written.joint.select(priors)
+        if self.method is Method.EE:
+            joint = joint.select(name for name in joint.names if name not in self.shape_errors)
+        std = np.sqrt(np.diag(joint.covariance)).tolist()
+        means = self.written.means
+        priors |= {name: (means[name], one) for name, one in zip(joint.names, std, strict=True)}
+        found = Priors(priors, joint)
+        return Priors(found.widen_to_independent()) if self.method is Method.EE else found
+
+    def _list_independent_priors(self) -> dict[str, tuple[float, float]]:
         of_shapes = {
             name: (0.0, std * (self.shape_spread if name in self.assumed else 1.0))
             for name, std in self.shape_errors.items()

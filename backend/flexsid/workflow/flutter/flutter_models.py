@@ -34,6 +34,7 @@ from flexsid.sysid.stability.flutter_prediction import (
 from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.flight_condition import complete_condition
+from flexsid.workflow.aircraft.written_back import refuse_counted_twice
 from flexsid.workflow.flutter.run_models import (
     RunModel,
     UnmodelledModes,
@@ -241,15 +242,18 @@ def identify_query(store: Store, query: FlutterQuery) -> tuple[object, ...]:
     Raises
     ------
     BadInput
-        If no run is selected, too many are, or the loading is impossible.
+        If no run is selected, too many are, the loading is impossible, or a run has the data of
+        another one in its prior.
     UnknownRecord
         If a run does not exist.
     Conflict
         If a run has no result, or it was altered.
     """
     _check(query)
-    for number in query.run_ids:
-        get_result(store.runs.get(number))
+    runs = [store.runs.get(number) for number in query.run_ids]
+    for run in runs:
+        get_result(run)
+    refuse_counted_twice(store, runs)
     return list_run_contents(store, query.run_ids)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Progress, RetainedModes
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.priors import Priors, build_information
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.model.reduction import compute_modal_errors
@@ -100,6 +101,7 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     moved = replace(table, values=table.values * factor)
     known = part.found.uncertain
     own, prior = factor[known.rows, known.columns], part.found.prior
+    outer = np.outer(own, own)
     modal = table.body.size + np.arange(len(table.modes))
     stiffness = part.found.stiffness
     if stiffness is not None and stiffness.slopes is not None:
@@ -107,9 +109,10 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     return replace(
         part.found,
         aircraft=replace(part.found.aircraft, derivatives=moved),
-        uncertain=replace(known, covariance=known.covariance * np.outer(own, own)),
+        uncertain=replace(known, covariance=known.covariance * outer),
         stiffness=stiffness,
-        prior=prior and replace(prior, mean=own * prior.mean, precision=prior.precision / own**2),
+        prior=prior
+        and replace(prior, mean=own * prior.mean, precision=prior.precision / np.outer(own, own)),
     )
 
 
@@ -321,12 +324,12 @@ def _get_prior(
     """Return the priors of derivatives of a run, of the analyst and of retained modes."""
     of_retained = () if retained is None else retained.parameters
     nuisance = {row.name: (row.prior, row.prior_std) for row in of_retained}
-    known = dict(priors) | nuisance
+    known = Priors(dict(priors) | nuisance, getattr(priors, "joint", None))
     if not known:
         return None
-    pairs = [known.get(name, (0.0, np.inf)) for name in names]
-    mean, std = np.array(pairs).reshape(-1, 2).T
-    return DerivativePrior(mean, std**-2.0, np.array([name in nuisance for name in names]))
+    mean = np.array([known.get(name, (0.0, np.inf))[0] for name in names])
+    precision = 2.0 * build_information(names, known)
+    return DerivativePrior(mean, precision, np.array([name in nuisance for name in names]))
 
 
 def load_run_modes(store: Store, run: EstimationRun, maneuver: Maneuver) -> AircraftModes:

@@ -22,6 +22,7 @@ from flexsid.sysid.global_model.selection import LEAST_RUNS
 from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.signals import interpolate
 from flexsid.workflow.aircraft.derivative_predictions import select_by_id
+from flexsid.workflow.aircraft.written_back import refuse_counted_twice
 from flexsid.workflow.model_structures.baselines import read_quantities
 from flexsid.workflow.model_structures.model_structures import get_result
 
@@ -183,6 +184,7 @@ def _read(
     used = {number for run in runs for number in run.settings.additional_maneuver_ids}
     maneuvers = [store.maneuvers.get(n) for n in sorted(used | {r.maneuver_id for r in runs})]
     _refuse_mixture(runs, maneuvers)
+    refuse_counted_twice(store, runs)
     for maneuver in maneuvers:
         quantities = read_quantities(maneuver)
         for variable in query.variables:

@@ -179,7 +179,7 @@ def prepare_live_task(
         commands=commands,
         omega=measurement.frequencies.omega,
         parameters=parameters,
-        priors={name: p for name, p in task.list_priors().items() if name in parameters.names},
+        priors=task.list_priors().select(parameters.names),
         mode_names=task.mode_names,
         stiffness=_read_stiffness_error(store, run, task),
         next_airspeed_m_s=next_airspeed_m_s,

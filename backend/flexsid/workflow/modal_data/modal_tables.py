@@ -37,6 +37,7 @@ from flexsid.sysid.modes.table import (
 )
 from flexsid.sysid.signals import interpolate
 from flexsid.workflow.aircraft.derivative_predictions import list_predicted_modes, select_by_id
+from flexsid.workflow.aircraft.written_back import read_written_versions
 
 ASSUMED_DAMPING = 0.02
 
@@ -152,8 +153,11 @@ def find_modal_tables(
     aircraft_id: int,
     modal_table_id: int | None = None,
     damping_table_id: int | None = None,
+    maneuver_ids: Sequence[int] = (),
 ) -> tuple[ModalTable, ModalTable | None]:
     """Find the requested tables, or the latest FEM with predicted modes and the latest GVT.
+
+    Versions that were undone, or contain the data of these maneuvers, are not found by default.
 
     Raises
     ------
@@ -161,7 +165,10 @@ def find_modal_tables(
         If the aircraft has no table with frequencies, or the table belongs to another one.
     """
     tables = store.modal_tables.find(aircraft_id=aircraft_id)
-    proposed = tables if modal_table_id is not None else _select_predicted(store, tables)
+    proposed = tables
+    if modal_table_id is None:
+        written = read_written_versions(store, aircraft_id, maneuver_ids)
+        proposed = _select_predicted(store, written.list_defaults(tables))
     modal = _select(proposed, modal_table_id, ModalKind.FEM, "omega")
     if modal is None:
         raise BadInput(
@@ -227,6 +234,7 @@ def load_modes_of_model(
     modal_table_id: int | None,
     damping_table_id: int | None,
     numbers: tuple[int, ...],
+    maneuver_ids: Sequence[int] = (),
 ) -> tuple[AircraftModes, tuple[int | None, int | None]]:
     """Load the modes for a model with some of them, and the ids of their tables.
 
@@ -241,7 +249,9 @@ def load_modes_of_model(
         known = store.modal_tables.find(aircraft_id=aircraft_id)
         if not any("omega" in table.arrays for table in known):
             return NO_MODES, (None, None)
-    modal, damping = find_modal_tables(store, aircraft_id, modal_table_id, damping_table_id)
+    modal, damping = find_modal_tables(
+        store, aircraft_id, modal_table_id, damping_table_id, maneuver_ids
+    )
     ids = modal.id, None if damping is None else damping.id
     return read_once(("modes", *ids), lambda: load_modes(store, modal, damping)), ids
 
@@ -644,16 +654,26 @@ def _compute_mac(model: ModeTable, measured: ModeTable) -> np.ndarray | None:
     return np.nan_to_num(compute_mac(one[:, moved], other[:, moved]))
 
 
+def _find_written_damping(store: Store, modal: ModalTable, zeta: np.ndarray) -> np.ndarray:
+    """Find the modes (F, n) whose damping was written back from flight, in tracked order."""
+    if not store.write_backs.find(modal_table_id=modal.id):
+        return np.zeros(zeta.shape, dtype=bool)
+    std = open_modes(store, modal).zeta_std
+    return np.zeros(zeta.shape, dtype=bool) if std is None else np.isfinite(std)
+
+
 def _find_damping(
     store: Store, modal: ModalTable, damping: ModalTable | None, aligned: ModeTable
 ) -> tuple[np.ndarray, frozenset[int], tuple[str, ...]]:
     """Return damping in tracked order: of the test, else of the table; and measured modes."""
     zeta = aligned.zeta.copy()
     warnings: tuple[str, ...] = ()
-    measured = np.isfinite(zeta) & (modal.kind is ModalKind.GVT)
+    # Damping that was written back from flight is later than any ground test.
+    flown = _find_written_damping(store, modal, zeta)
+    measured = np.isfinite(zeta) & (flown | (modal.kind is ModalKind.GVT))
     if damping is not None and damping.id != modal.id and "zeta" in damping.arrays:
         tested, warnings = match_test_damping(store, modal, damping, aligned)
-        zeta = np.where(np.isfinite(tested), tested, zeta)
+        zeta = np.where(np.isfinite(tested) & ~flown, tested, zeta)
         measured |= np.isfinite(tested)
     missing = [
         number

@@ -30,7 +30,7 @@ _MODE_FACTOR = re.compile(r"(omega|zeta)_(\d+)")
 
 
 @dataclass(frozen=True, slots=True)
-class _Update:
+class ModeUpdate:
     """Factor on the frequency of a mode, and its damping; None where not measured.
 
     ``factor_std`` and ``damping_std`` are standard deviations that the source states.
@@ -77,14 +77,14 @@ def update_modal_table(
     source.
     """
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
-    updates: dict[int, _Update] = {}
+    updates: dict[int, ModeUpdate] = {}
     for test_id in test_ids:
         updates |= _read_test(store, modes, test_id)
     for run_id in run_ids:
-        for number, new in _read_run(store, modes, run_id).items():
-            old = updates.get(number, _Update(None, None, ""))
+        for number, new in read_run_updates(store, modes, run_id).items():
+            old = updates.get(number, ModeUpdate(None, None, ""))
             has_factor, has_damping = new.factor is not None, new.damping is not None
-            updates[number] = _Update(
+            updates[number] = ModeUpdate(
                 new.factor if has_factor else old.factor,
                 new.damping if has_damping else old.damping,
                 "; ".join(source for source in (old.source, new.source) if source),
@@ -98,10 +98,10 @@ def update_modal_table(
             "zeta_<mode>",
             code="nothing-to-update",
         )
-    return _store_updated(store, modes, name, updates)
+    return store_updated(store, modes, name, updates, f"{format_title(modes.table)}, updated")
 
 
-def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, _Update]:
+def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, ModeUpdate]:
     """Read frequencies and damping of a ground vibration test by mode number of the table."""
     test = open_modes(store, store.modal_tables.get(test_id))
     table = test.table
@@ -121,7 +121,7 @@ def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, _Update]:
         column = modes.table.numbers.index(number)
         damping = np.nan if test.zeta is None else test.zeta[0, place]
         mac = named[place].reason.rpartition(", ")[2]
-        found[number] = _Update(
+        found[number] = ModeUpdate(
             float(test.omega[0, place] / omega[column]),
             float(damping) if np.isfinite(damping) else None,
             f"mode {table.numbers[place]} of {format_title(table)} at fuel {fuel:g}, {mac}",
@@ -131,7 +131,7 @@ def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, _Update]:
     return found
 
 
-def _read_run(store: Store, modes: Modes, run_id: int) -> dict[int, _Update]:
+def read_run_updates(store: Store, modes: Modes, run_id: int) -> dict[int, ModeUpdate]:
     """Read the factors on frequency and damping that a run estimated, by mode number."""
     run = store.runs.get(run_id)
     if run.state is not RunState.SUCCEEDED or run.result is None:
@@ -148,7 +148,7 @@ def _read_run(store: Store, modes: Modes, run_id: int) -> dict[int, _Update]:
             run_id=run_id,
         )
     damping = load_modes(store, used, tested).table.at(maneuver.condition.fuel_fraction).zeta
-    found: dict[int, _Update] = {}
+    found: dict[int, ModeUpdate] = {}
     for estimate in run.result.parameters:
         match = _MODE_FACTOR.fullmatch(estimate.name)
         if match is None or estimate.std_error is None:
@@ -157,7 +157,7 @@ def _read_run(store: Store, modes: Modes, run_id: int) -> dict[int, _Update]:
         if number not in modes.table.numbers:
             continue
         column = modes.table.numbers.index(number)
-        old = found.get(number, _Update(None, None, ""))
+        old = found.get(number, ModeUpdate(None, None, ""))
         source = f"run {run_id} ({estimate.name} {estimate.value:.4f} ± {estimate.std_error:.4f})"
         source = "; ".join(part for part in (old.source, source) if part)
         if match[1] == "omega":
@@ -175,9 +175,10 @@ def _read_run(store: Store, modes: Modes, run_id: int) -> dict[int, _Update]:
     return found
 
 
-def _store_updated(
-    store: Store, modes: Modes, name: str, updates: dict[int, _Update]
+def store_updated(
+    store: Store, modes: Modes, name: str, updates: dict[int, ModeUpdate], origin: str
 ) -> ModalTable:
+    """Store a new version of a table with updated modes; its notes list their sources."""
     table, order = modes.table, modes.tracking.order
     assert table.id is not None
     omega = modes.omega.copy()
@@ -221,7 +222,7 @@ def _store_updated(
                 name=name,
                 version=1 + max((one.version for one in versions), default=0),
                 arrays=arrays,
-                origin=f"{format_title(table)}, updated",
+                origin=origin,
                 notes=(*table.notes, *notes),
             )
         )

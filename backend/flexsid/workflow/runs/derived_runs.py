@@ -28,7 +28,10 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_values,
+    list_default_predictions,
+)
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.modal_data.modal_tables import AircraftModes
 from flexsid.workflow.model_structures.model_structures import get_result
@@ -211,8 +214,10 @@ def extend_with_predicted_modes(
     body = model.model.body
     known = list_derivative_names(own, inputs, body)
     used = run.prediction_id or get_result(run).prediction_id
+    ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+    candidates = list_default_predictions(store, maneuver.aircraft_id, ids)
     prediction = select_widest_prediction(
-        store, used, maneuver.aircraft_id, modes, own, inputs, body
+        store, used, maneuver.aircraft_id, modes, own, inputs, body, candidates
     )
     if prediction is None:
         return None

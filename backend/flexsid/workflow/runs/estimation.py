@@ -31,6 +31,7 @@ from flexsid.records.run import (
     Pole,
     Provenance,
     RetainedModes,
+    RunPosterior,
     RunResult,
     RunSettings,
     Start,
@@ -103,9 +104,12 @@ from flexsid.workflow.model_structures.model_structures import resolve_structure
 from flexsid.workflow.runs.run_identity import hash_provenance, hash_request
 from flexsid.workflow.runs.starts import (
     build_predicted_tables,
+    build_written_prior,
     collect_priors,
+    describe_write_backs,
     extend_table,
     is_residualized,
+    list_candidates,
     select_nuisance,
     select_starting_tables,
     select_widest_prediction,
@@ -209,23 +213,29 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
                 code="wrong-aircraft",
             )
     structure, aircraft = resolve_structure(store, run.structure, aircraft, first)
+    if run.result is not None and run.prediction_id is None:  # as it was estimated
+        run = replace(run, prediction_id=run.result.prediction_id)
+    candidates = list_candidates(store, run, first.aircraft_id)
     modes, table_ids = load_modes_of_model(
-        store, first.aircraft_id, run.modal_table_id, run.damping_table_id, structure.modes
+        *(store, first.aircraft_id, run.modal_table_id, run.damping_table_id),
+        *(structure.modes, ids),
     )
     inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
     is_shaped = settings.aerodynamics.is_shaped
     prediction = (select_shaped_prediction if is_shaped else select_prediction)(
-        store, first.aircraft_id, run.prediction_id, structure.modes, inputs, body
+        store, first.aircraft_id, run.prediction_id, structure.modes, inputs, body, candidates
     )
     if is_shaped and prediction is not None:
         run = replace(run, prediction_id=prediction.id)
-    nuisance, retained, prediction_ids = None, (), [None if prediction is None else prediction.id]
+    nuisance, retained, widest = None, (), prediction
+    prediction_ids = [None if prediction is None else prediction.id]
     if settings.out_of_band_modes is OutOfBandModes.RETAINED:
         nuisance = select_nuisance(store, run, first, structure.modes, modes, inputs, body)
         if nuisance is not None:
             retained = nuisance.mean.modes[len(structure.modes) :]
             widest = select_widest_prediction(
-                store, run.prediction_id, first.aircraft_id, modes, structure.modes, inputs, body
+                *(store, run.prediction_id, first.aircraft_id, modes, structure.modes, inputs),
+                *(body, candidates),
             )
             prediction_ids.append(None if widest is None else widest.id)
     data = tuple(
@@ -266,6 +276,15 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
         starts = {name: extend_table(table, nuisance.mean) for name, table in starts.items()}
         predicted = {name: extend_table(t, nuisance.mean) for name, t in predicted.items()}
     assumed = modes.warnings if structure.modes else ()
+    written = None
+    if settings.out_of_band_modes is OutOfBandModes.RETAINED and not is_shaped:
+        numbers, every = data[0].model.modes.numbers, modal_errors.named()
+        written = build_written_prior(store, widest, first, table_ids[0], numbers, every)
+    if written is not None:
+        written = replace(written, joint=written.joint.drop(settings.priors))
+    write_backs = describe_write_backs(
+        store, run, first.aircraft_id, None if written is None else widest
+    )
     shape_errors = _list_shape_errors(aircraft, first, data[0].model, outputs, modes, structure)
     drifts = tuple(text for one in maneuvers for text in warn_of_airspeed_drift(store, one))
     air_data = tuple(text for one in maneuvers for text in warn_of_air_data(store, one))
@@ -276,7 +295,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
             method, structure, first, aircraft, own_model, max_omega, modes.names, modes.symmetric
         )
         unknown = warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names)
-        return (*assumed, *of_request, *unknown, *drifts, *air_data)
+        return (*assumed, *of_request, *unknown, *drifts, *air_data, *write_backs)
 
     task = EstimationTask(
         method=run.method,
@@ -299,8 +318,12 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> _
         shape_errors=shape_errors,
         drifts=drifts,
         assumed=frozenset(
-            name for name in shape_errors if int(name.rpartition("_")[2]) not in modes.shape_std
+            name
+            for name in shape_errors
+            if int(name.rpartition("_")[2]) not in modes.shape_std
+            and (written is None or name not in written.joint.names)
         ),
+        written=written,
         shape_spread=modes.assumed_shape_std,
         prediction_id=None if prediction is None else prediction.id,
         warnings=(),  # and provenance are those of each request
@@ -350,6 +373,7 @@ def store_result(
     with store.transaction():
         covariance, whole_covariance, *names = store.arrays.put_many(bulk)
         run = store.runs.get(run_id)
+        posterior = _store_posterior(store, run, computed)
         maneuver_ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
         blocks = tuple(
             FitBlock(
@@ -390,10 +414,25 @@ def store_result(
             symmetry=computed.symmetry,
             error_causes=store_error_causes(store, estimate.components, maneuver_ids),
             shape_spread=computed.shape_spread,
+            posterior=posterior,
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
         )
+
+
+def _store_posterior(
+    store: Store, run: EstimationRun, computed: ComputedRun
+) -> RunPosterior | None:
+    found, retained = computed.posterior, computed.retained
+    if found is None:
+        return None
+    return RunPosterior(
+        names=found.names,
+        values=tuple(found.values.tolist()),
+        covariance=store.arrays.put(found.corrected_covariance),
+        modes=(*run.structure.modes, *(() if retained is None else retained.modes)),
+    )
 
 
 def _describe_retained_modes(found: ComputedRetainedModes, covariance: str) -> RetainedModes:

@@ -92,7 +92,8 @@ def load_identified_model(
     tables = (run.modal_table_id, run.damping_table_id, run.prediction_id)
     key = ("identified model", number, repr(run.structure), repr(alone), tables)
     task = read_once(key, lambda: prepare(store, asked))
-    return replace(build_identified_model(task.model, run), priors=task.priors)
+    of_derivatives = task.list_priors().select((*task.priors, *task.nuisance_names))
+    return replace(build_identified_model(task.model, run), priors=of_derivatives)
 
 
 def build_identified_model(model: AeroelasticModel, run: EstimationRun) -> IdentifiedModel:

@@ -21,6 +21,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import channels
 from flexsid.workflow.fits.estimation_task import METHODS
 from flexsid.workflow.modal_data.modal_tables import find_modal_tables, list_corrections
+from flexsid.workflow.runs.starts import refuse_double_count
 
 Tables = tuple[int | None, int | None]
 
@@ -33,7 +34,7 @@ class RunHasher:
         self._maneuvers = hash_maneuvers(store.database, maneuver_ids)
         self._assumed: dict[tuple[object, ...], str] = {}
         self._starts: dict[int, str | None] = {}
-        self._tables: dict[tuple[int, int | None, int | None], Tables] = {}
+        self._tables: dict[tuple[object, ...], Tables] = {}
 
     def has_maneuver(self, maneuver_id: int) -> bool:
         """Whether a maneuver exists."""
@@ -84,12 +85,14 @@ class RunHasher:
 
     def _with_tables(self, run: EstimationRun) -> EstimationRun:
         aircraft = self._maneuvers[run.maneuver_id][0]
-        key = (aircraft, run.modal_table_id, run.damping_table_id)
+        named = (aircraft, run.modal_table_id, run.damping_table_id)
+        involved = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+        key = (*named, involved)
         if key not in self._tables:
             try:
-                modal, damping = find_modal_tables(self._store, *key)
+                modal, damping = find_modal_tables(self._store, *named, involved)
             except BadInput:  # raised again when the run is prepared
-                self._tables[key] = key[1:]
+                self._tables[key] = named[1:]
             else:
                 # A table supplies the damping itself where no damping table exists.
                 self._tables[key] = (modal.id, (damping or modal).id)
@@ -118,6 +121,10 @@ class RunHasher:
             # Names and symmetries of modes that somebody corrected; most tables have none.
             if corrected := list_corrections(self._store, tables):
                 assumed.append(corrected)
+            # A version that is undone is no default, although it is still there.
+            written = self._store.write_backs.find(aircraft_id=aircraft)
+            if undone := [one.id for one in written if one.undone_at is not None]:
+                assumed.append({"undone": undone})
             self._assumed[key] = hash_content(assumed)
         return self._assumed[key]
 
@@ -128,13 +135,15 @@ def add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
     Raises
     ------
     BadInput
-        If a setting or the structure has a value that its class does not allow.
+        If a setting or the structure has a value that its class does not allow, or the run names a
+        version with the data of its own records.
     Conflict
         If a maneuver was deleted.
     """
     check_ranges(run)
     with store.reading():
         refuse_deleted(store, (run.maneuver_id, *run.settings.additional_maneuver_ids))
+        refuse_double_count(store, run)
         return hash_request(store, run)
 
 

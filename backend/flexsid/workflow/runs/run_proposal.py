@@ -31,6 +31,7 @@ from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.axes import find_body, list_bodies, require_axis
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,
+    list_default_predictions,
     list_predicted_modes,
     select_prediction,
 )
@@ -458,7 +459,7 @@ def _find_modes_near_band(
     """Find modes of the axis in the band and just above it, lowest first; none without a table."""
     named = assumed.modal_table_id, assumed.damping_table_id
     try:
-        tables = find_modal_tables(store, maneuver.aircraft_id, *named)
+        tables = find_modal_tables(store, maneuver.aircraft_id, *named, (maneuver.id or 0,))
     except BadInput:
         if any(number is not None for number in named):
             raise
@@ -505,7 +506,10 @@ def _compute_poles_in_air(
 ) -> dict[int, NamedPole]:
     """Compute the poles of the modes of the axis that a prediction covers, at the condition."""
     own = tuple(n for n in known.table.numbers if known.belongs_to(n, body))
-    prediction = select_prediction(store, maneuver.aircraft_id, prediction_id, own, (), body)
+    candidates = list_default_predictions(store, maneuver.aircraft_id, (maneuver.id or 0,))
+    prediction = select_prediction(
+        store, maneuver.aircraft_id, prediction_id, own, (), body, candidates
+    )
     if prediction is None:
         return {}
     covered = list_predicted_modes(prediction, own, body)

@@ -14,6 +14,7 @@ from flexsid.workflow.model_structures.model_structures import StaleEdit
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import RunHasher, check_ranges
 from flexsid.workflow.runs.run_proposal import apply_proposal, complete_request
+from flexsid.workflow.runs.starts import refuse_double_count
 
 # --- Batch: many runs requested at once, put into the queue ---------------------------------------
 
@@ -93,6 +94,7 @@ def queue_batch(
             first: int | None = None
             start_hash: str | None = None
             of_maneuver = complete(store, replace(template, maneuver_id=number))
+            refuse_double_count(store, of_maneuver)
             for method in ordered:
                 run = replace(of_maneuver, method=method)
                 if first is not None and from_equation_error:

@@ -19,6 +19,7 @@ from flexsid.records.search import (
     TermGroup,
 )
 from flexsid.sysid.adequacy.validation import LEAST_DIFFERENCE
+from flexsid.sysid.estimation.priors import build_information
 from flexsid.sysid.stability.derivative_fusion import (
     DerivativePrior,
     IdentifiedModes,
@@ -160,10 +161,10 @@ def _identify(task: EstimationTask, run: ComputedRun, selected: Sequence[str]) -
     values = run.held | dict(zip(names, own.values.tolist(), strict=True))
     prior = None
     if run.retained is not None:
-        known = [run.retained.priors.get(name, (0.0, np.inf)) for name in names]
-        mean, std = np.array(known).T
+        mean = np.array([run.retained.priors.get(name, (0.0, np.inf))[0] for name in names])
+        precision = 2.0 * build_information(names, run.retained.priors)
         is_nuisance = np.array([name in task.nuisance_names for name in names])
-        prior = DerivativePrior(mean, std**-2.0, is_nuisance)
+        prior = DerivativePrior(mean, precision, is_nuisance)
     return IdentifiedModes(
         Aeroelastic(task.model.condition, task.model.modes, task.model.fill_table(values)),
         UncertainDerivatives(every.rows[place], every.columns[place], own.corrected_covariance),

@@ -162,3 +162,34 @@ export function useUpdateModalTable(modalTableId: number) {
     onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),
   });
 }
+
+/** Queries to refresh after a write-back or its undo: other versions are the default then. */
+function useRefreshVersions() {
+  const cache = useQueryClient();
+  return () =>
+    Promise.all(
+      [["write-backs"], ["modal-tables"], ["predictions"], ["maneuver"]].map((queryKey) =>
+        cache.invalidateQueries({ queryKey }),
+      ),
+    );
+}
+
+export function useWriteBack(runId: number) {
+  return useMutation({
+    mutationFn: (reason: string) =>
+      body(api.POST("/api/v1/write-backs", { body: { run_id: runId, reason } })),
+    onSuccess: useRefreshVersions(),
+  });
+}
+
+export function useUndoWriteBack() {
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(
+        api.DELETE("/api/v1/write-backs/{write_back_id}", {
+          params: { path: { write_back_id: id } },
+        }),
+      ),
+    onSuccess: useRefreshVersions(),
+  });
+}

@@ -136,3 +136,23 @@ export const summaryRootsQuery = (id: number, query: SummaryRootsParams) =>
     placeholderData: keepPreviousData,
     retry: false,
   });
+
+export const writeBacksQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["write-backs", aircraftId],
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/write-backs", { params: { query: { aircraft_id: aircraftId } }, signal }),
+      ),
+  });
+
+/** What a write-back of a run would write. */
+export const writeBackProposalQuery = (runId: number) =>
+  queryOptions({
+    queryKey: ["write-backs", "of run", runId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/write-backs/proposal", { params: { query: { run_id: runId } }, signal }),
+      ),
+    retry: false,
+  });

@@ -41,8 +41,9 @@ export function NuisanceParameters({ retained, reasons }: Props) {
         <Accordion.Panel>
           <Text size="sm" mb="sm">
             The prior is the prediction with a spread of {fixed(100 * retained.spread, 0)} %, which
-            was estimated from the derivatives of the modes in the band. These values are no
-            results; their uncertainty is part of every σ.
+            was estimated from the derivatives of the modes in the band, or the posterior that was
+            written back into the prediction. These values are no results; their uncertainty is part
+            of every σ.
           </Text>
           {reasons.length > 0 && (
             <Text size="sm" mb="sm" data-testid="nuisance-reasons">
