@@ -153,7 +153,7 @@ class WidthVerdict:
     """Intervals of flutter of one run, of two runs and so on.
 
     ``growth`` is the largest factor by which one more run widened the interval, infinite where it
-    then had none.
+    then had none, or the prediction was refused.
     """
 
     growth: float
@@ -166,9 +166,9 @@ def judge_widths(
     """Compare the intervals of flutter of one run, two runs and so on; None without any."""
     stated = [one for one in found if one is not None]
     widths = [
-        np.inf if one["low_m_s"] is None or one["high_m_s"] is None
+        np.inf if one is None or one["low_m_s"] is None or one["high_m_s"] is None
         else one["high_m_s"] - one["low_m_s"]
-        for one in stated
+        for one in found
     ]  # fmt: skip
     factors = [after / before for before, after in pairwise(widths) if np.isfinite(before)]
     if not factors:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,7 +14,7 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.figures.flutter import draw_equivalent_modes, draw_flutter_forecast, draw_flutter_map
 from flexsid.figures.roots import draw_root_locus, draw_v_omega_zeta
 from flexsid.records.decision import Structure
@@ -23,7 +24,9 @@ from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettin
 from flexsid.storage.jobs import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
+from flexsid.workflow.flutter import flutter_models
 from flexsid.workflow.flutter.flutter_analysis import (
     FlutterQuery,
     UnmodelledModes,
@@ -35,6 +38,7 @@ from flexsid.workflow.flutter.flutter_analysis import (
 )
 from flexsid.workflow.flutter.flutter_models import Group, fuse_runs
 from flexsid.workflow.flutter.flutter_roots import describe_margin, is_safe
+from flexsid.workflow.flutter.run_models import load_run_models
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 ESTIMATED = (7, 9, 11, 12)
@@ -162,6 +166,66 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(estimated: St
     )
     assert twice.airspeed_m_s == pytest.approx(alone.airspeed_m_s, rel=1e-4)
     assert twice.airspeed_std_m_s == pytest.approx(alone.airspeed_std_m_s, rel=0.02)
+
+
+def test_a_run_without_standard_errors_does_not_lose_the_prediction_of_the_others(
+    estimated: Store, runs, monkeypatch: pytest.MonkeyPatch
+):
+    """As of a run that did not converge."""
+    known, lost = runs["with"]
+
+    def load(store, run_id, *arguments):
+        parts = load_run_models(store, run_id, *arguments)
+        if run_id != lost:
+            return parts
+        return tuple(replace(part, found=_lose_errors(part.found)) for part in parts)
+
+    alone = analyse_flutter(estimated, FlutterQuery(run_ids=(known,)))
+    monkeypatch.setattr(flutter_models, "load_run_models", load)
+    both = analyse_flutter(estimated, FlutterQuery(run_ids=(known, lost)))
+    assert (both.airspeed_m_s, both.low_m_s) == pytest.approx((alone.airspeed_m_s, alone.low_m_s))
+    assert f"Run {lost} is excluded, since a derivative or its standard error" in both.sentence
+    with pytest.raises(NotIdentifiable, match="not finite"):
+        fuse_runs(estimated, FlutterQuery(run_ids=(lost,)))
+
+
+def _lose_errors(found: IdentifiedModes) -> IdentifiedModes:
+    uncertain = found.uncertain
+    nothing = np.full_like(uncertain.covariance, np.nan)
+    return replace(found, uncertain=replace(uncertain, covariance=nothing))
+
+
+def test_runs_that_contradict_each_other_are_named_with_their_errors(
+    estimated: Store, runs, monkeypatch: pytest.MonkeyPatch
+):
+    first, second = runs["with"]
+
+    def load(store, run_id, *arguments):
+        """A run whose derivatives are off by ten standard errors."""
+        parts = load_run_models(store, run_id, *arguments)
+        if run_id != second:
+            return parts
+        return tuple(replace(part, found=_shift_estimates(part.found)) for part in parts)
+
+    monkeypatch.setattr(flutter_models, "load_run_models", load)
+    found = analyse_flutter(estimated, FlutterQuery(run_ids=(first, second)))
+    stated = re.search(
+        r"The runs contradict each other: the errors of the derivatives are ([\d.]+) times its"
+        r" standard errors in run \d",
+        found.sentence,
+    )
+    assert stated is not None
+    assert float(stated[1]) > 5.0
+    assert "such runs have less weight" in found.sentence
+
+
+def _shift_estimates(found: IdentifiedModes) -> IdentifiedModes:
+    uncertain, table = found.uncertain, found.aircraft.derivatives
+    values, std = table.values.copy(), np.sqrt(np.diag(uncertain.covariance))
+    values[uncertain.rows, uncertain.columns] += 10.0 * std * (-1.0) ** np.arange(std.size)
+    return replace(
+        found, aircraft=replace(found.aircraft, derivatives=replace(table, values=values))
+    )
 
 
 def test_out_of_band_modes_are_included_from_a_prediction(estimated: Store, runs):

@@ -408,6 +408,39 @@ def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(
         assert predict_flutter(alone, (25.0, 80.0)).total_std > 3.0 * prediction.total_std
 
 
+def test_runs_at_two_airspeeds_correct_the_damping_of_the_modal_table():
+    """Damping ratios 40 % wrong: each run compensates them by C_Q_etadot, by another amount."""
+    true = flex28(4)
+    truth = track_roots(true, SPEEDS).flutter
+    assert truth is not None
+    zeta = true.modes.zeta * np.array([1.4, 0.6, 1.3, 0.8])
+    parts, rng = [], np.random.default_rng(6)
+    for share in (1.0, 0.6):
+        at = replace(true.condition, airspeed=share * true.condition.airspeed)
+        per_rate = at.dynamic_pressure * at.area * at.chord / true.modes.mass
+        per_rate = per_rate * at.chord / (2.0 * at.airspeed)
+        slopes = 2.0 * zeta * true.modes.omega / per_rate
+        own = 2 + np.arange(4)
+        values = true.derivatives.values.copy()
+        values[own, own + 4] += 2.0 * (zeta - true.modes.zeta) * true.modes.omega / per_rate
+        wrong = replace(true.modes, zeta=zeta)
+        derivatives = replace(true.derivatives, values=values)
+        run = identify(replace(true, condition=at, modes=wrong, derivatives=derivatives), rng, 1e-3)
+        error = StiffnessError(
+            np.zeros(4), at.dynamic_pressure, np.zeros(4), np.full(4, 0.5),
+            at.density * at.airspeed, slopes,
+        )  # fmt: skip
+        parts.append(replace(run, stiffness=error))
+    to = replace(parts[0].aircraft, condition=true.condition)
+    found = fuse_identified(parts, to)
+    assert found.aircraft.modes.zeta == pytest.approx(true.modes.zeta, rel=0.05)
+    assert max(found.error_ratios) < 1.4
+    alone, both = (predict_flutter(one, (25.0, 80.0)) for one in (parts[0], found))
+    assert both.total_std < 0.5 * alone.total_std
+    assert both.crossing is not None
+    assert abs(both.crossing.airspeed - truth.airspeed) < 3.0 * both.total_std
+
+
 def test_an_error_as_large_as_the_speed_is_called_not_known():
     aircraft = flex28(4)
     blurred = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
@@ -484,16 +517,16 @@ def test_models_without_prediction_get_a_sentence_or_are_refused():
         fuse_identified([IdentifiedModes(aircraft, lost)], aircraft)
 
 
-def test_a_hump_is_left_again_where_frequencies_part():
+def build_humped(decay: float) -> Aeroelastic:
     """A mode that stiffens with dynamic pressure passes another one, which turns against it.
 
-    With little damping roots coalesce while the difference of the squared frequencies is less than
-    twice the root of the product of the couplings.
+    With little damping, a decay in 1/s, roots coalesce while the difference of the squared
+    frequencies is less than twice the root of the product of the couplings.
     """
     aircraft = flex28(2)
     c, modes = aircraft.condition, aircraft.modes
     first, second = modes.omega**2
-    quiet = replace(modes, zeta=0.02 / modes.omega)  # unequal damping would destabilise
+    quiet = replace(modes, zeta=decay / modes.omega)  # unequal damping would destabilise
     values = np.zeros_like(aircraft.derivatives.values)
     values[0, 0], values[1, 1] = -4.0, -5.0
     middle = 0.5 * c.density * 50.0**2  # where the squared frequencies are equal
@@ -501,7 +534,11 @@ def test_a_hump_is_left_again_where_frequencies_part():
     values[2, 2] = -(second - first) * modes.mass[0] / (middle * lift)
     coupling = 0.1 * (second - first) / (middle * lift)
     values[2, 3], values[3, 2] = coupling * modes.mass[0], -coupling * modes.mass[1]
-    humped = Aeroelastic(c, quiet, replace(aircraft.derivatives, values=values))
+    return Aeroelastic(c, quiet, replace(aircraft.derivatives, values=values))
+
+
+def test_a_hump_is_left_again_where_frequencies_part():
+    humped = build_humped(0.02)
     found = predict_flutter(IdentifiedModes(humped, everything(humped, 0.01)), (30.0, 90.0))
     assert found.crossing is not None
     assert found.crossing.mechanism is Mechanism.FLUTTER
@@ -518,6 +555,24 @@ def test_a_hump_is_left_again_where_frequencies_part():
     assert passed.crossing is None
     assert not passed.refusal, "nothing that was flown contradicts the model"
     assert "it was passed and is not the flutter speed ahead" in passed.sentence
+
+
+def test_the_interval_of_a_hump_that_barely_reaches_the_axis_is_that_of_drawn_models():
+    """First order divides by a slope that vanishes there; without crossing it had no interval."""
+    lows = []
+    for decay, crosses in ((2.98, True), (3.0, False)):  # 2.995: the hump touches the axis
+        humped = build_humped(decay)
+        found = IdentifiedModes(humped, everything(humped, 0.01))
+        first = predict_flutter(found, (30.0, 90.0))
+        assert (first.crossing is not None) is crosses
+        assert first.interval is None or first.interval[1] < 55.0, "as if the hump were certain"
+        drawn = predict_flutter(found, (30.0, 90.0), draws=True)
+        assert drawn.interval is not None
+        assert ("with 95 % probability" in drawn.sentence) is crosses
+        assert "some are stable up to 135.0 m/s" in drawn.sentence
+        lows.append(drawn.interval[0])
+        assert drawn.interval[1] == 1.5 * 90.0, "half of the models have no hump"
+    assert lows == pytest.approx([49.9, 49.9], abs=0.5)
 
 
 def test_a_trend_extrapolates_derivatives_to_the_requested_pressure():
@@ -559,6 +614,58 @@ def test_fusion_weighs_by_information_and_widens_where_runs_disagree():
     assert (np.diag(wide) > 10.0).all()
     assert compute_structure_spread([59.0, 61.0], 60.0) == pytest.approx(1.0)
     assert compute_structure_spread([], 60.0) == 0.0
+
+
+def identify(
+    truth: Aeroelastic, rng: np.random.Generator, share: float, errors: float = 1.0
+) -> IdentifiedModes:
+    """A run whose errors are so many times its standard errors, a share of the derivatives."""
+    known = everything(truth, share)
+    values = truth.derivatives.values.copy()
+    scatter = errors * np.sqrt(np.diag(known.covariance))
+    values[known.rows, known.columns] += scatter * rng.standard_normal(scatter.size)
+    table = replace(truth.derivatives, values=values)
+    return IdentifiedModes(replace(truth, derivatives=table), known)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_added_run_that_contradicts_the_others_loses_its_weight(seed: int):
+    """Its errors are 20 times what it states: the others' interval must not grow by them."""
+    truth, rng = flex28(4), np.random.default_rng(seed)
+    true = track_roots(truth, SPEEDS).flutter
+    assert true is not None
+    parts = [identify(truth, rng, 0.01) for _ in range(3)]
+    parts.append(identify(truth, rng, 0.01, errors=20.0))
+    before, after = (fuse_identified(parts[:n], truth) for n in (3, 4))
+    assert max(before.error_ratios) < 1.4
+    assert max(after.error_ratios[:3]) < 1.4
+    assert after.error_ratios[3] == pytest.approx(20.0, rel=0.3)
+    few, many = (predict_flutter(found, (25.0, 80.0)) for found in (before, after))
+    assert many.total_std < 1.2 * few.total_std
+    assert many.crossing is not None
+    assert abs(many.crossing.airspeed - true.airspeed) < 4.0 * many.total_std
+
+
+def test_runs_that_contradict_each_other_do_not_widen_a_prior():
+    """Data scatter by ten standard errors; a derivative that no data know has its prior only."""
+    aircraft, rng = flex28(4), np.random.default_rng(4)
+    known = everything(aircraft, 0.01)
+    place, n = (known.rows, known.columns), known.rows.size
+    prior = DerivativePrior(
+        aircraft.derivatives.values[place], np.eye(n)[-1] * 25.0, np.zeros(n, dtype=bool)
+    )
+    std = np.sqrt(np.diag(known.covariance))
+    std[-1] = 0.2
+    parts = []
+    for _ in range(2):
+        values = aircraft.derivatives.values.copy()
+        values[place] += 10.0 * std * rng.standard_normal(n) * (np.arange(n) < n - 1)
+        table = replace(aircraft.derivatives, values=values)
+        uncertain = UncertainDerivatives(*place, np.diag(std**2))
+        parts.append(IdentifiedModes(replace(aircraft, derivatives=table), uncertain, None, prior))
+    fused = fuse_identified(parts, aircraft)
+    assert min(fused.error_ratios) > 5.0
+    assert np.sqrt(fused.uncertain.covariance[-1, -1]) == pytest.approx(0.2, rel=1e-6)
 
 
 def test_a_prior_that_runs_share_counts_once():

@@ -101,6 +101,7 @@ def _draw_progress(value: Flutter) -> list[Spec]:
         return []
     unit = of_unit("Flutter speed", "m/s").unit
     speed = _convert([step.airspeed_m_s for step in known])
+    low = _convert([step.low_m_s for step in known])
     high = _convert([step.high_m_s for step in known])
     return [
         scatter(
@@ -108,7 +109,14 @@ def _draw_progress(value: Flutter) -> list[Spec]:
             speed,
             "lines+markers",
             name="runs up to this airspeed, 95 %",
-            error_y=error_bars(high - speed, style.VERMILION, factor=1.0, thickness=1.5),
+            error_y=error_bars(
+                high - speed,
+                style.VERMILION,
+                factor=1.0,
+                thickness=1.5,
+                symmetric=False,
+                arrayminus=column(speed - low),
+            ),
             marker={"color": style.VERMILION, "size": 7, "symbol": "diamond"},
             line={"color": style.VERMILION, "width": 1.2},
             text=[f"{step.n_runs} runs" for step in known],

@@ -15,32 +15,39 @@ from flexsid.sysid.global_model.selection import LEAST_RUNS, find_outlying_runs
 from flexsid.sysid.model.derivatives import coefficients, variables
 from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.sysid.stability.poles import Aeroelastic
-from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.root_errors import ModalErrors, UncertainDerivatives
 
 # --- Derivatives of several runs, fused with the errors and priors that the runs share ------------
 
 _TREND_POINTS = 3  # dynamic pressures needed for a straight line through derivatives
 _TREND_SPAN = 0.1  # of the largest dynamic pressure: least range of a straight line
 _LARGEST_ERROR = 0.3  # of a frequency of a modal table, relative
+_LEAST_DAMPING = 0.05  # of a damping ratio of a modal table: no structure is without damping
+_LEAST_REDUNDANCY = 10.0  # values of each run beyond the fit: its scatter is known within 45 %
+_RATIO_TOLERANCE = 0.02  # of a ratio of variances: 1 % of a standard error
+_MOST_ROUNDS = 30  # of estimated ratios of variances, which settle within 20
 
 
 @dataclass(frozen=True, slots=True)
 class StiffnessError:
     """Relative standard deviations of frequencies and damping in vacuo, in the order of the modes.
 
-    ``pressure`` is the dynamic pressure that the derivatives were estimated at [Pa]; of fused
-    runs that of each mode at which its error is independent of the derivatives, infinite where no
-    derivative compensates it. ``slopes`` are the
+    ``pressure`` is the dynamic pressure that the derivatives were estimated at [Pa], density times
+    airspeed, of which aerodynamic damping is a multiple, was ``mass_flow`` [kg/m2 s]; of fused
+    runs they are means. ``slopes`` are the
     changes of estimated C_Qi_etai with the relative error of a frequency, where runs of the same
-    modal table are fused. ``damping_std`` is None where damping ratios are exact; density times
-    airspeed, of which aerodynamic damping is a multiple, was ``mass_flow`` [kg/m2 s].
+    modal table are fused, ``damping_slopes`` those of C_Qi_etadoti with that of a damping ratio.
+    ``damping_std`` is None where damping ratios are exact. ``joint`` are the errors that fused
+    runs leave.
     """
 
     relative_std: Float[np.ndarray, " n_modes"]
-    pressure: float | Float[np.ndarray, " n_modes"]
+    pressure: float
     slopes: Float[np.ndarray, " n_modes"] | None = None
     damping_std: Float[np.ndarray, " n_modes"] | None = None
     mass_flow: float = np.inf
+    damping_slopes: Float[np.ndarray, " n_modes"] | None = None
+    joint: ModalErrors | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +72,15 @@ class IdentifiedModes:
 
     ``stiffness`` is None where the frequencies of the structure are exact. ``prior`` is the
     part of the estimates that is no data of the run: all runs of an aircraft share it.
+    ``error_ratios`` are, of every run that was fused, the errors of its data over their standard
+    errors, as the differences of the runs show them; never less than one.
     """
 
     aircraft: Aeroelastic
     uncertain: UncertainDerivatives
     stiffness: StiffnessError | None = None
     prior: DerivativePrior | None = None
+    error_ratios: tuple[float, ...] = ()
 
     @property
     def places(self) -> frozenset[tuple[int, int]]:
@@ -125,16 +135,18 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
 
     Notes
     -----
-    Where the runs scatter by more than their errors, the covariance is widened by the
-    ratio (Birge), for a structure that is too small changes with the condition. A prior that
+    Where the runs scatter by more than their errors, their variances are multiplied by ratios
+    that the scatter determines (``_estimate_variance_ratios``). A prior that
     the runs share counts once, also that of a mode which some runs retained and others estimated:
-    the data of all of them count.
+    the data of all of them count. It is not multiplied: a contradiction of data is no error of it.
 
     Runs of one modal table share the errors of its frequencies. Data of one dynamic pressure
     determine omega^2 - k_i C_Qi_etai only (``compute_modal_errors``): with omega_t of the table
     and omega^2 = omega_t^2 (1 - 2 d) the estimate is C_Qi_etai + 2 omega_t^2 d / k_i. Runs at
     several dynamic pressures separate both: d is estimated with its standard deviation as prior,
-    and the frequency is corrected by it.
+    and the frequency is corrected by it. So are errors of damping ratios, of which data of one
+    airspeed determine 2 zeta omega - k_i (c/2V) C_Qi_etadoti only: the estimate is
+    C_Qi_etadoti + 2 zeta_t omega_t e / (k_i c/2V) with 2 zeta omega = 2 zeta_t omega_t (1 - e).
     """
     return _fuse(parts, to, np.ones((len(parts), 1)))
 
@@ -159,24 +171,32 @@ def _fuse(
         )
     table = to.derivatives.values.copy()
     shared = _find_shared_errors(parts)
-    table[place], covariance, of_table = _fit_weighted(values, covariances, lines, priors, shared)
+    fit = _fit_weighted(values, covariances, lines, priors, shared)
+    table[place] = fit.values
     aircraft = replace(to, derivatives=replace(to.derivatives, values=table))
-    if shared is not None and of_table is not None and fused.stiffness is not None:
-        aircraft = replace(aircraft, modes=_correct_frequencies(to, shared, of_table))
-        stiffness = _reduce_errors(fused.stiffness, parts, shared, of_table)
+    if shared is not None and fit.errors is not None and fused.stiffness is not None:
+        aircraft = replace(aircraft, modes=_correct_modes(to, shared, fit.errors))
+        stiffness = _reduce_errors(fused.stiffness, shared, fit.errors)
         fused = replace(fused, stiffness=stiffness)
-    return replace(fused, aircraft=aircraft, uncertain=replace(first, covariance=covariance))
+    return replace(
+        fused,
+        aircraft=aircraft,
+        uncertain=replace(first, covariance=fit.covariance),
+        error_ratios=tuple(np.sqrt(fit.variance_ratios).tolist()),
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class _SharedErrors:
-    """Relative errors of frequencies that all parts share, and what they change.
+    """Relative errors of frequencies and damping ratios that all parts share, and their effect.
 
-    ``modes`` are indices of modes, ``rows`` those of their C_Qi_etai among the derivatives,
-    ``slopes`` (n_parts, n) their changes, ``std`` the standard deviations of the errors.
+    ``modes`` are indices of modes, ``is_damping`` marks errors of damping ratios, ``rows`` are the
+    places of C_Qi_etai or C_Qi_etadoti among the derivatives, ``slopes`` (n_parts, n) their
+    changes, ``std`` the standard deviations of the errors.
     """
 
     modes: Int[np.ndarray, " n"]
+    is_damping: Bool[np.ndarray, " n"]
     rows: Int[np.ndarray, " n"]
     slopes: Float[np.ndarray, "n_parts n"]
     std: Float[np.ndarray, " n"]
@@ -184,65 +204,90 @@ class _SharedErrors:
 
 @dataclass(frozen=True, slots=True)
 class _EstimatedErrors:
-    """Estimates of shared errors with standard deviations.
+    """Estimates of shared errors with their covariance.
 
-    ``gains`` are the changes of their C_Qi_etai with them, within the common error of both.
+    ``gains`` are the changes of all derivatives with them, within the common error of both.
     """
 
     values: Float[np.ndarray, " n"]
-    std: Float[np.ndarray, " n"]
-    gains: Float[np.ndarray, " n"]
+    covariance: Float[np.ndarray, "n n"]
+    gains: Float[np.ndarray, "n_theta n"]
 
 
 def _find_shared_errors(parts: Sequence[IdentifiedModes]) -> _SharedErrors | None:
-    """Find the frequencies of one modal table with an error whose C_Qi_etai all parts estimated."""
-    errors = [part.stiffness for part in parts]
-    known = [error for error in errors if error is not None and error.slopes is not None]
+    """Find the errors of one modal table whose derivatives all parts estimated."""
+    known = [part.stiffness for part in parts if part.stiffness is not None]
     if len(parts) < 2 or len(known) < len(parts) or parts[0].aircraft.shape is not None:
         return None
-    first = parts[0].aircraft.derivatives.body.size
+    first, n = parts[0].aircraft.derivatives.body.size, known[0].relative_std.size
     uncertain = parts[0].uncertain
     places = list(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
-    std = np.stack([error.relative_std for error in known])
-    same = np.all(np.isclose(std, std[0], rtol=1e-9), axis=0) & (std[0] > 0.0)
-    modes = [k for k in range(std.shape[1]) if same[k] and (first + k, first + k) in places]
-    if not modes:
+    found: list[tuple[int, bool, int, Float[np.ndarray, " n_parts"], float]] = []
+    for is_damping, std, slopes in (
+        (False, [one.relative_std for one in known], [one.slopes for one in known]),
+        (True, [one.damping_std for one in known], [one.damping_slopes for one in known]),
+    ):
+        if any(one is None for one in (*std, *slopes)):
+            continue
+        errors, changes = np.array(std, dtype=float), np.array(slopes, dtype=float)
+        same = np.all(np.isclose(errors, errors[0], rtol=1e-9), axis=0) & (errors[0] > 0.0)
+        for k in np.flatnonzero(same).tolist():
+            place = (first + k, first + k + n * is_damping)
+            if place in places:
+                row = places.index(place)
+                found.append((k, is_damping, row, changes[:, k], float(errors[0, k])))
+    if not found:
         return None
-    slopes = np.stack([np.asarray(error.slopes, dtype=float) for error in known])
-    rows = [places.index((first + k, first + k)) for k in modes]
-    return _SharedErrors(np.array(modes), np.array(rows), slopes[:, modes], std[0, modes])
+    modes, kinds, rows, slopes, std = zip(*found, strict=True)
+    return _SharedErrors(
+        np.array(modes), np.array(kinds), np.array(rows), np.stack(slopes, axis=1), np.array(std)
+    )
 
 
-def _correct_frequencies(
+def _correct_modes(
     to: Aeroelastic, shared: _SharedErrors, found: _EstimatedErrors
 ) -> StructuralModes:
-    """Return the modes with frequencies without the estimated errors, and 2 zeta omega as is."""
+    """Return the modes without the estimated errors; those of frequencies leave 2 zeta omega."""
     factors: dict[str, float] = {}
-    for k, error in zip(shared.modes.tolist(), found.values.tolist(), strict=True):
+    left = _compute_left(shared, found)
+    for k, is_damping, share in zip(shared.modes.tolist(), shared.is_damping, left, strict=True):
         number = to.modes.numbers[k]
-        factor = float(np.sqrt(1.0 - 2.0 * min(error, _LARGEST_ERROR)))
-        factors |= {f"omega_{number}": factor, f"zeta_{number}": 1.0 / factor}
+        zeta = factors.get(f"zeta_{number}", 1.0)
+        if is_damping:
+            factors[f"zeta_{number}"] = zeta * float(share)
+        else:
+            factor = float(np.sqrt(share))
+            factors |= {f"omega_{number}": factor, f"zeta_{number}": zeta / factor}
     return to.modes.tuned(factors)
 
 
+def _compute_left(shared: _SharedErrors, found: _EstimatedErrors) -> Float[np.ndarray, " n"]:
+    """Compute the parts of omega^2 and of 2 zeta omega of the table that errors leave."""
+    of_frequency = 1.0 - 2.0 * np.minimum(found.values, _LARGEST_ERROR)
+    return np.where(shared.is_damping, np.maximum(1.0 - found.values, _LEAST_DAMPING), of_frequency)
+
+
 def _reduce_errors(
-    stiffness: StiffnessError,
-    parts: Sequence[IdentifiedModes],
-    shared: _SharedErrors,
-    found: _EstimatedErrors,
+    stiffness: StiffnessError, shared: _SharedErrors, found: _EstimatedErrors
 ) -> StiffnessError:
-    """Return the errors that are left, at the dynamic pressures where they are independent."""
-    std = stiffness.relative_std.copy()
-    first = parts[0].aircraft.derivatives.body.size
-    own = [(first + k, first + k) in parts[0].places for k in range(std.size)]
-    pressure = np.where(own, stiffness.pressure, np.inf)
-    flown = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
-    products = np.mean(shared.slopes * flown[:, None], axis=0)
-    std[shared.modes] = found.std
-    compensated = found.gains != 0.0
-    pressure[shared.modes] = np.inf
-    pressure[shared.modes[compensated]] = products[compensated] / found.gains[compensated]
-    return replace(stiffness, relative_std=std, pressure=pressure)
+    """Return the errors that are left, relative to the corrected modes."""
+    n = stiffness.relative_std.size
+    scale = 1.0 / _compute_left(shared, found)
+    own = shared.modes + n * shared.is_damping
+    std = np.zeros(2 * n)
+    std[:n] = stiffness.relative_std
+    if stiffness.damping_std is not None:
+        std[n:] = stiffness.damping_std
+    covariance, gains = np.diag(std**2), np.zeros((len(found.gains), 2 * n))
+    covariance[np.ix_(own, own)] = found.covariance * np.outer(scale, scale)
+    gains[:, own] = found.gains / scale
+    left = np.sqrt(np.diag(covariance))
+    return replace(
+        stiffness,
+        relative_std=left[:n],
+        damping_std=None if stiffness.damping_std is None else left[n:],
+        joint=ModalErrors(covariance, gains),
+    )
 
 
 def refuse_other_structures(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> None:
@@ -275,7 +320,7 @@ def _average_stiffness(parts: Sequence[IdentifiedModes]) -> StiffnessError | Non
     of_damping = [one.damping_std for one in known if one.damping_std is not None]
     return StiffnessError(
         np.mean([one.relative_std for one in known], axis=0),
-        float(np.mean([np.mean(one.pressure) for one in known])),
+        float(np.mean([one.pressure for one in known])),
         damping_std=np.mean(of_damping, axis=0) if of_damping else None,
         mass_flow=float(np.mean([one.mass_flow for one in known])),
     )
@@ -320,8 +365,22 @@ def compute_weighted_mean(
     values: Float[np.ndarray, "n_parts n_theta"],
     covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
-    """Compute the mean weighted by information, and its covariance widened by Birge's ratio."""
-    return _fit_weighted(values, covariances, np.ones((len(values), 1)))[:2]
+    """Compute the mean weighted by information, and its covariance with the scatter of parts."""
+    fit = _fit_weighted(values, covariances, np.ones((len(values), 1)))
+    return fit.values, fit.covariance
+
+
+@dataclass(frozen=True, slots=True)
+class _WeightedFit:
+    """Coefficients of the first column with their covariance, for given shared errors.
+
+    ``variance_ratios`` multiply the covariance of the data of each part.
+    """
+
+    values: Float[np.ndarray, " n_theta"]
+    covariance: Float[np.ndarray, "n_theta n_theta"]
+    errors: _EstimatedErrors | None
+    variance_ratios: Float[np.ndarray, " n_parts"]
 
 
 def _fit_weighted(
@@ -330,13 +389,8 @@ def _fit_weighted(
     lines: Float[np.ndarray, "n_parts n_powers"],
     priors: Sequence[DerivativePrior | None] | None = None,
     shared: _SharedErrors | None = None,
-) -> tuple[
-    Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"], _EstimatedErrors | None
-]:
+) -> _WeightedFit:
     """Generalised least squares of every value on the columns of ``lines``.
-
-    Returns the coefficients of the first column, their covariance widened by Birge's ratio, and
-    the estimates of shared errors, for given values of which the covariance holds.
 
     Notes
     -----
@@ -346,7 +400,7 @@ def _fit_weighted(
     """
     n_parts, n_powers = lines.shape
     if n_parts == 1:
-        return values[0], covariances[0], None
+        return _WeightedFit(values[0], covariances[0], None, np.ones(1))
     scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
     if not (scale > 0.0).all():
         raise NotIdentifiable("a derivative without standard error cannot be weighted")
@@ -368,37 +422,74 @@ def _fit_weighted(
             covariances, values / scale, priors or [None] * n_parts, strict=True
         )
     ]
+    if not sum(float(part.shares.sum()) for part in parts) > 0.0:
+        raise NotIdentifiable("the runs have no data beyond the prior that they share")
     designs = []
     for k, line in enumerate(lines):
         changes = np.zeros((n, n_shared))
         if shared is not None:
             changes[shared.rows, np.arange(n_shared)] = shared.slopes[k] / scale[shared.rows]
         designs.append(np.hstack([np.kron(line, np.eye(n)), changes]))
-    for part, design in zip(parts, designs, strict=True):
-        information += design.T @ part.information @ design
-        moment += design.T @ part.moment
-    solved = np.linalg.solve(information, moment)
-    chi_square = sum(
-        part.compute_chi_square(design @ solved)
-        for part, design in zip(parts, designs, strict=True)
-    )
-    if shared is not None:
-        chi_square += float(np.sum((solved[size:] / shared.std) ** 2))
-    n_data = sum(float(part.shares.sum()) for part in parts)
-    if not n_data > 0.0:
-        raise NotIdentifiable("the runs have no data beyond the prior that they share")
-    birge = max(1.0, chi_square / (n_data * (1.0 - n_powers / n_parts)))
-    covariance = birge * np.linalg.inv(information)
+    ratios, solved, covariance = _estimate_variance_ratios(parts, designs, information, moment)
     values_at, own = solved[:n] * scale, covariance[:n, :n]
     if shared is None:
-        return values_at, own * outer, None
+        return _WeightedFit(values_at, own * outer, None, ratios)
     gains = np.linalg.solve(covariance[size:, size:], covariance[size:, :n]).T
-    errors = _EstimatedErrors(
-        solved[size:],
-        np.sqrt(np.diag(covariance[size:, size:])),
-        -gains[shared.rows, np.arange(n_shared)] * scale[shared.rows],
-    )
-    return values_at, (own - gains @ covariance[size:, :n]) * outer, errors
+    errors = _EstimatedErrors(solved[size:], covariance[size:, size:], gains * scale[:, None])
+    left = (own - gains @ covariance[size:, :n]) * outer
+    return _WeightedFit(values_at, left, errors, ratios)
+
+
+def _estimate_variance_ratios(
+    parts: Sequence[_PartData],
+    designs: Sequence[Float[np.ndarray, "n_theta n"]],
+    information: Float[np.ndarray, "n n"],
+    moment: Float[np.ndarray, " n"],
+) -> tuple[Float[np.ndarray, " n_parts"], Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+    """Estimate by how much the variances of each part are too small, and solve with them.
+
+    ``information`` and ``moment`` are those of the priors. Returns the ratios, at least one, and
+    the solution with its covariance.
+
+    Notes
+    -----
+    Variance components: s_k = v_k^T C_k^-1 v_k / r_k with the residuals v_k and the redundancy
+    r_k = tr(I - C_k^-1 D_k N^-1 D_k^T / s_k) of part k, repeated until they settle, so that a part
+    that contradicts the others loses its weight instead of widening them all. With few values they
+    cannot be attributed to parts: all have one ratio (Birge, Phys. Rev. 40 (1932) 207-227,
+    doi:10.1103/PhysRev.40.207). Directions count by the share that is data.
+    Source: W. Foerstner, Z. Vermessungswesen 104 (1979) 149-156; K.-R. Koch, Parameter Estimation
+    and Hypothesis Testing in Linear Models (1999), doi:10.1007/978-3-662-03976-2, section 3.6.
+    """
+
+    def solve(
+        ratios: Float[np.ndarray, " n_parts"],
+    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"], Float[np.ndarray, " n_parts"]]:
+        total, right = information.copy(), moment.copy()
+        for part, design, ratio in zip(parts, designs, ratios, strict=True):
+            total += design.T @ part.information @ design / ratio
+            right += design.T @ part.moment / ratio
+        covariance = np.linalg.inv(total)
+        solved = covariance @ right
+        chi_square, redundancy = np.transpose(
+            [
+                part.compute_misfit(design @ solved, design @ covariance @ design.T / ratio)
+                for part, design, ratio in zip(parts, designs, ratios, strict=True)
+            ]
+        )
+        if redundancy.min() < _LEAST_REDUNDANCY:
+            chi_square, redundancy = chi_square.sum(), max(redundancy.sum(), _LEAST_DATA)
+        found = np.broadcast_to(chi_square / redundancy, ratios.shape)
+        return solved, covariance, np.maximum(found, 1.0)
+
+    ratios = np.ones(len(parts))
+    solved, covariance, found = solve(ratios)
+    for _ in range(_MOST_ROUNDS):
+        if np.all(np.abs(found - ratios) <= _RATIO_TOLERANCE * ratios):
+            break
+        ratios = found
+        solved, covariance, found = solve(ratios)
+    return ratios, solved, covariance
 
 
 @dataclass(frozen=True, slots=True)
@@ -414,10 +505,17 @@ class _PartData:
     axes: Float[np.ndarray, "n_theta n_axes"]
     shares: Float[np.ndarray, " n_axes"]
 
-    def compute_chi_square(self, theta: Float[np.ndarray, " n_theta"]) -> float:
-        """Compute the distance of the data from a value, weighted by the shares."""
+    def compute_misfit(
+        self, theta: Float[np.ndarray, " n_theta"], C: Float[np.ndarray, "n_theta n_theta"]
+    ) -> tuple[float, float]:
+        """Compute the distance of the data from a fit, and its redundancy, weighted by the shares.
+
+        ``C`` is the covariance of the fit over the ratio of the variances of the data.
+        """
         off = self.axes.T @ (self.moment - self.information @ theta)
-        return float(np.sum(self.shares * off**2))
+        seen = self.information @ self.axes
+        fitted = np.einsum("ik,ik->k", seen, C @ seen)
+        return float(self.shares @ off**2), float(self.shares @ (1.0 - fitted))
 
 
 def _separate_data(

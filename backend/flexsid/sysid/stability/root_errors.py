@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -18,7 +18,7 @@ from flexsid.sysid.stability.poles import (
     compute_polar_slopes,
     decompose_states,
 )
-from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus
+from flexsid.sysid.stability.root_tracking import SLOW_MOTIONS, FlutterCrossing, RootLocus
 from flexsid.sysid.stability.shaped_roots import (
     ShapedRoots,
     build_shaped_system,
@@ -29,6 +29,9 @@ _SECOND_ORDER_RATIO = 0.35  # over first order: above it, standard errors are wr
 _STRIDE = 5  # speeds between evaluations of the coupling of all roots, which changes slowly
 _MONTE_CARLO_SAMPLES = 1000  # standard errors from samples scatter by 2 %
 _STEP = 1e-4  # of the airspeed, for the slope of a root
+_CROSSING_SAMPLES = 400  # a bound of 95 % scatters by 7 % of its distance
+_CROSSING_STEP = 1.02  # ratio of airspeeds of the first search: a narrower hump is no danger
+_BISECTIONS = 5  # of their distance: to 0.06 % of the airspeed
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +177,133 @@ def estimate_crossing_error(
     if not (np.isfinite(uncertain.covariance).all() and np.isfinite(slopes).all()):
         return float("nan")
     return float(np.sqrt(max(slopes @ uncertain.covariance @ slopes, 0.0)))
+
+
+@dataclass(frozen=True, slots=True)
+class ModalErrors:
+    """Covariance of the relative errors of a modal table, and what they change.
+
+    The errors are those of omega, of all modes, followed by those of 2 zeta omega: with them
+    omega^2 is less by twice the error, 2 zeta omega by the error. ``gains`` are the changes of the
+    derivatives with them.
+    """
+
+    covariance: Float[np.ndarray, "n_errors n_errors"]
+    gains: Float[np.ndarray, "n_theta n_errors"]
+
+    def draw(self, rng: np.random.Generator, count: int) -> Float[np.ndarray, "count n_errors"]:
+        """Draw errors; no structure has less than no damping."""
+        values, vectors = np.linalg.eigh(self.covariance)
+        half = vectors * np.sqrt(np.maximum(values, 0.0))
+        drawn = rng.standard_normal((count, values.size)) @ half.T
+        drawn[:, values.size // 2 :] = np.minimum(drawn[:, values.size // 2 :], 1.0)
+        return drawn
+
+
+def compute_modal_factors(aircraft: Aeroelastic) -> Float[np.ndarray, " n_errors"]:
+    """Compute the decreases of omega^2 [rad2/s2] and 2 zeta omega [rad/s] with relative errors."""
+    modes = aircraft.modes
+    return np.concatenate([2.0 * modes.omega**2, 2.0 * modes.zeta * modes.omega])
+
+
+def estimate_growth_rates(
+    aircraft: Aeroelastic,
+    airspeed: Float[np.ndarray, " n_v"],
+    uncertain: UncertainDerivatives,
+    modal_errors: ModalErrors,
+    density: float | None = None,
+) -> tuple[Float[np.ndarray, "n_v n_roots"], Float[np.ndarray, "n_v n_roots"]]:
+    """Compute the real parts of all fast roots and their first-order standard errors. [rad/s]
+
+    Slow roots, of phugoid and spiral, are minus infinity.
+    """
+    family = build_state_family(aircraft, airspeed, density)
+    modal = decompose_states(family.A)
+    slopes = np.real(compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns))
+    n = aircraft.modes.omega.size
+    etadot = modal.left[:, -n:].conj()
+    of_table = np.concatenate(
+        [etadot * modal.right[:, -2 * n : -n], etadot * modal.right[:, -n:]], axis=1
+    )
+    of_table = np.real(of_table).transpose(0, 2, 1) * compute_modal_factors(aircraft)
+    of_table = of_table + slopes @ modal_errors.gains
+    std = np.hypot(
+        _compute_deviation(slopes, uncertain.covariance),
+        _compute_deviation(of_table, modal_errors.covariance),
+    )
+    is_slow = np.isin(_find_leading(family, modal), _list_slow(aircraft))
+    return np.where(is_slow, -np.inf, np.real(modal.values)), std
+
+
+def _find_leading(family: StateFamily, modal: Modal) -> Int[np.ndarray, "n_v n_roots"]:
+    """Find the motion with the largest participation in each root."""
+    return np.argmax(family.membership @ np.abs(modal.left * modal.right), axis=1)
+
+
+def _list_slow(aircraft: Aeroelastic) -> list[int]:
+    return [k for k, name in enumerate(aircraft.motions) if name in SLOW_MOTIONS]
+
+
+def sample_crossings(
+    aircraft: Aeroelastic,
+    band: tuple[float, float],
+    uncertain: UncertainDerivatives,
+    modal_errors: ModalErrors,
+    density: float | None = None,
+) -> Float[np.ndarray, " n_resamplings"]:
+    """Draw the airspeeds at which models within the errors become unstable first. [m/s]
+
+    Infinite where a model is stable over the band; slowly unstable flight is no instability.
+
+    Parameters
+    ----------
+    band
+        Lowest and highest airspeed. [m/s]
+
+    Notes
+    -----
+    Unlike the slope of one crossing this holds where roots coalesce, a hump barely reaches the
+    axis, or another root becomes unstable before. The first speed of a coarse search at which a
+    draw is unstable is refined by bisection. The draws are the same for every model.
+    """
+    errors = modal_errors.draw(np.random.default_rng(1), _CROSSING_SAMPLES)
+    change = uncertain.draw(aircraft.derivatives, _CROSSING_SAMPLES, seed=0)
+    change = change - aircraft.derivatives.values
+    change[:, uncertain.rows, uncertain.columns] += errors @ modal_errors.gains.T
+    slow, n = _list_slow(aircraft), aircraft.modes.omega.size
+    of_table = errors * compute_modal_factors(aircraft)
+
+    def is_unstable(draws: Int[np.ndarray, " n"], speeds: Float[np.ndarray, " n"]):
+        family = build_state_family(aircraft, speeds, density)
+        moved = change[draws][:, :, : family.variable_states.size]
+        A = family.A.copy()
+        A[:, :, family.variable_states] += family.forced @ (family.scale * moved)
+        etadot = np.arange(A.shape[1] - n, A.shape[1])
+        A[:, etadot, etadot - n] += of_table[draws, :n]
+        A[:, etadot, etadot] += of_table[draws, n:]
+        if not slow:
+            return np.any(np.real(np.linalg.eigvals(A)) > 0.0, axis=1)
+        found = decompose_states(A)
+        is_fast = ~np.isin(_find_leading(family, found), slow)
+        return np.any((np.real(found.values) > 0.0) & is_fast, axis=1)
+
+    low, high = np.full(_CROSSING_SAMPLES, band[0]), np.full(_CROSSING_SAMPLES, np.inf)
+    left = np.arange(_CROSSING_SAMPLES)
+    n_speeds = 1 + int(np.ceil(np.log(band[1] / band[0]) / np.log(_CROSSING_STEP)))
+    for speed in np.geomspace(*band, n_speeds).tolist():
+        if not left.size:
+            break
+        grows = is_unstable(left, np.full(left.size, speed))
+        high[left[grows]] = speed
+        left = left[~grows]
+        low[left] = speed
+    crossing = np.flatnonzero(np.isfinite(high))
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low[crossing] + high[crossing])
+        grows = is_unstable(crossing, middle)
+        high[crossing[grows]] = middle[grows]
+        low[crossing[~grows]] = middle[~grows]
+    return high
 
 
 def compute_crossing_slopes(

@@ -48,6 +48,7 @@ class Mechanism(StrEnum):
 
 
 _SLOW_FLIGHT = {Mechanism.SPIRAL, Mechanism.PHUGOID}  # a pilot or autopilot stabilises it
+SLOW_MOTIONS = (PHUGOID, SPIRAL)
 
 
 @dataclass(frozen=True, slots=True)

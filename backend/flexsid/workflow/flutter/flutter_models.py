@@ -59,6 +59,7 @@ _BAND = (0.35, 2.0)  # of the fastest flown point: range of the flutter search
 _MOST_RUNS = 100  # in a prediction: minutes where each is fitted again
 _ALIKE = 0.25  # of the fuel: flutter speeds of FLEX-28 differ by less than 1 % over so much
 _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more power with the modes
+_DISAGREEING = 1.2  # errors over standard errors: ratios of runs that agree scatter by 0.1
 
 
 _TOO_FEW = {
@@ -169,7 +170,9 @@ class _At:
         """Predict flutter of fused runs and check the prediction against flown points."""
         names = {str(number): name for number, name in self.modes.names.items()}
         flown_points = [self._evidence(part, fuel) for part in parts]
-        return predict_flutter(found, self.band, self.density, spread, names, flown_points)
+        return predict_flutter(
+            found, self.band, self.density, spread, names, flown_points, draws=True
+        )
 
     def _evidence(self, part: RunModel, fuel: float) -> FlownPoint:
         """Return identified roots of a run at the airspeed of equal dynamic pressure."""
@@ -338,6 +341,7 @@ def fuse_runs(
         )
         report(progress)
         parts += load_run_models(store, number, query.unmodelled_modes, derived, progress)
+    parts, excluded = _drop_unknown(parts)
     parts, refused = _drop_worse_fits(_drop_duplicates(parts))
     assigned_inputs = {part.maneuver.aircraft_id for part in parts}
     if len(assigned_inputs) > 1:
@@ -378,7 +382,8 @@ def fuse_runs(
             (
                 same,
                 found,
-                f"{_describe_modes(same, found)}{refused}{note}{_describe_outcomes(same)}",
+                f"{_describe_modes(same, found)}{excluded}{refused}{note}"
+                f"{_describe_disagreement(same, found)}{_describe_outcomes(same)}",
             )
         )
     has_failed_fits = any(one.failure is not None for one in derived.used)
@@ -422,6 +427,25 @@ def _drop_worse_fits(parts: Sequence[RunModel]) -> tuple[list[RunModel], str]:
         " and are omitted."
     )
     return [part for part in parts if part.source is None], note
+
+
+def _drop_unknown(parts: Sequence[RunModel]) -> tuple[list[RunModel], str]:
+    """Drop runs without finite derivatives and standard errors; return parts and a note.
+
+    All remain where no run has them, and cannot be fused.
+    """
+
+    def is_known(part: RunModel) -> bool:
+        found = part.found
+        values = found.aircraft.derivatives.values
+        return bool(np.isfinite(values).all() and np.isfinite(found.uncertain.covariance).all())
+
+    known = [part for part in parts if is_known(part)]
+    if not known or len(known) == len(parts):
+        return list(parts), ""
+    ids = sorted({part.run.id or 0 for part in parts if not is_known(part)})
+    which = f"Runs {_join(ids)} are" if len(ids) > 1 else f"Run {ids[0]} is"
+    return known, f" {which} excluded, since a derivative or its standard error is not finite."
 
 
 def _drop_duplicates(parts: Sequence[RunModel]) -> list[RunModel]:
@@ -541,6 +565,27 @@ def _describe_outcomes(parts: Sequence[RunModel]) -> str:
     )
 
 
+def _describe_disagreement(parts: Sequence[RunModel], fused: IdentifiedModes) -> str:
+    """Describe by how much the runs contradict each other beyond their errors, and which most."""
+    ratios = {
+        part.run.id or 0: ratio
+        for part, ratio in zip(parts, fused.error_ratios, strict=False)
+        if ratio > _DISAGREEING
+    }
+    if not ratios:
+        return ""
+    first, *others = sorted(ratios, key=lambda one: -ratios[one])
+    if len({round(ratio, 6) for ratio in ratios.values()}) == 1 and len(ratios) == len(parts):
+        which = f"{ratios[first]:.1f} times their standard errors"
+    else:
+        which = f"{ratios[first]:.1f} times its standard errors in run {first}"
+        which += "".join(f", {ratios[one]:.1f} times in run {one}" for one in others)
+    return (
+        f" The runs contradict each other: the errors of the derivatives are {which}; the interval"
+        " includes this, and such runs have less weight."
+    )
+
+
 def _join(numbers: Sequence[int]) -> str:
     return ", ".join(map(str, numbers))
 
@@ -590,9 +635,10 @@ def _fuse(
 
 
 def _drop_slopes(found: IdentifiedModes) -> IdentifiedModes:
-    """Return a run whose frequencies are not corrected when it is fused."""
+    """Return a run whose frequencies and damping are not corrected when it is fused."""
     stiffness = found.stiffness
-    return replace(found, stiffness=stiffness and replace(stiffness, slopes=None))
+    exact = stiffness and replace(stiffness, slopes=None, damping_slopes=None)
+    return replace(found, stiffness=exact)
 
 
 def _fuse_at_crossing(at: _At, fuse: Callable[[float], IdentifiedModes]) -> IdentifiedModes:

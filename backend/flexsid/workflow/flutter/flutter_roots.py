@@ -482,6 +482,11 @@ def describe_margin(models: FlutterModels, next_speed: float) -> str:
             )
         if next_speed > last:
             return f"{at}: no margin, since the model was evaluated up to {last:.1f} m/s only."
+        if best.interval is not None:
+            return (
+                f"{at}: no instability is predicted up to {last:.1f} m/s, but models within the"
+                f" errors become unstable from {best.interval[0]:.1f} m/s on."
+            )
         return f"{at}: no instability is predicted up to {last:.1f} m/s."
     margin = f"margin {crossing.airspeed / next_speed - 1.0:+.1%}"
     if best.interval is None:
@@ -507,7 +512,8 @@ def is_safe(models: FlutterModels, next_speed: float) -> bool:
     if best.crossing is None:
         is_stable = not _is_unstable_at(best, best.locus.airspeed[0])
         alike = all(group.prediction.crossing is None for group in models.groups)
-        return is_stable and alike and next_speed <= float(best.locus.airspeed[-1])
+        ahead = best.interval is None or best.interval[0] > next_speed
+        return is_stable and alike and ahead and next_speed <= float(best.locus.airspeed[-1])
     bounded = best.interval is not None and best.interval[0] > next_speed
     return bounded and not _is_unstable_at(best, next_speed)
 

@@ -106,6 +106,9 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     stiffness = part.found.stiffness
     if stiffness is not None and stiffness.slopes is not None:
         stiffness = replace(stiffness, slopes=stiffness.slopes * factor[modal, modal])
+    if stiffness is not None and stiffness.damping_slopes is not None:
+        of_rate = factor[modal, modal + modal.size]
+        stiffness = replace(stiffness, damping_slopes=stiffness.damping_slopes * of_rate)
     return replace(
         part.found,
         aircraft=replace(part.found.aircraft, derivatives=moved),
@@ -289,7 +292,8 @@ def _build_identified_modes(
     selected = [k for k, name in enumerate(names) if name in places]
     selected.sort(key=lambda k: places[names[k]])
     where = np.array([places[names[k]] for k in selected], dtype=int).reshape(-1, 2)
-    slopes = dict(zip(model.modes.numbers, _compute_stiffness_slopes(model), strict=True))
+    order = [model.modes.numbers.index(number) for number in modes.numbers]
+    slopes, damping_slopes = (found[order] for found in _compute_modal_slopes(model))
 
     def collect(kind: str, of_table: Mapping[int, float]) -> np.ndarray:
         std = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
@@ -302,20 +306,25 @@ def _build_identified_modes(
         StiffnessError(
             collect("omega", known.frequency_std),
             at.dynamic_pressure,
-            np.array([slopes[number] for number in modes.numbers]),
+            slopes,
             collect("zeta", known.damping_std),
             at.density * at.airspeed,
+            damping_slopes,
         ),
         _get_prior(retained, priors or {}, [names[k] for k in selected]),
     )
 
 
-def _compute_stiffness_slopes(model: AeroelasticModel) -> np.ndarray:
-    """Compute the change of each C_Qi_etai with the relative error of the mode's frequency."""
+def _compute_modal_slopes(model: AeroelasticModel) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the changes of each C_Qi_etai and C_Qi_etadoti with errors of the modal table.
+
+    The relative errors are those of the mode's frequency and of its damping ratio.
+    """
     n = len(model.modes.numbers)
-    errors = compute_modal_errors(model, np.ones(n), np.zeros(n)).values
     row = model.body.size + np.arange(n)
-    return errors[row, row]
+    of_frequency = compute_modal_errors(model, np.ones(n), np.zeros(n)).values
+    of_damping = compute_modal_errors(model, np.zeros(n), np.ones(n)).values
+    return of_frequency[row, row], of_damping[row, row + n]
 
 
 def _get_prior(

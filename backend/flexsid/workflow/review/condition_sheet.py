@@ -602,12 +602,12 @@ def _write_sentence(
         interval = (
             ""
             if flutter.low_m_s is None or flutter.high_m_s is None
-            else f" ± {(flutter.high_m_s - flutter.low_m_s) / 2:.1f}"
+            else f" ({flutter.low_m_s:.1f} to {flutter.high_m_s:.1f})"
         )
         above = 100.0 * (flutter.airspeed_m_s / flutter.next_m_s - 1.0)
         side = "above" if above >= 0.0 else "below"
         parts.append(
-            f"flutter at {flutter.airspeed_m_s:.1f}{interval} m/s (±2σ), {abs(above):.0f} % {side}"
+            f"flutter at {flutter.airspeed_m_s:.1f}{interval} m/s (95 %), {abs(above):.0f} % {side}"
             f" the next point of {flutter.next_m_s:.1f} m/s"
         )
     elif flutter is not None:
