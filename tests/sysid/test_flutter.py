@@ -652,7 +652,7 @@ def test_runs_that_contradict_each_other_do_not_widen_a_prior():
     known = everything(aircraft, 0.01)
     place, n = (known.rows, known.columns), known.rows.size
     prior = DerivativePrior(
-        aircraft.derivatives.values[place], np.eye(n)[-1] * 25.0, np.zeros(n, dtype=bool)
+        aircraft.derivatives.values[place], np.diag(np.eye(n)[-1] * 25.0), np.zeros(n, dtype=bool)
     )
     std = np.sqrt(np.diag(known.covariance))
     std[-1] = 0.2

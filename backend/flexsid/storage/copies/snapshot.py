@@ -6,6 +6,7 @@ the snapshot by the same functions, so that a job is a pure function of what it 
 
 from __future__ import annotations
 
+import hashlib
 import re
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -96,10 +97,11 @@ def take_snapshot(
 
 
 def open_snapshot(content: bytes) -> Store:
-    """Return a store of the records of a snapshot, in memory."""
+    """Return a store of the records of a snapshot, in memory; its address is of its content."""
+    name = hashlib.sha256(content).hexdigest()
     connection = sqlite3.connect(":memory:", check_same_thread=False)
     connection.deserialize(content)
-    return Store(Database("sqlite:///snapshot", make_memory_engine(connection)))
+    return Store(Database(f"sqlite:///snapshot-{name}", make_memory_engine(connection)))
 
 
 def _read_rows(

@@ -40,7 +40,7 @@ from flexsid.sysid.regression.reconstruction import (
 )
 from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
 
-_ITERATIONS = 40  # of the nuisance parameters: predictions of wrong sign take 25
+_ITERATIONS = 12  # of the nuisance parameters
 _CONVERGED = 0.1  # largest step of a nuisance parameter, in its standard errors
 _HALVINGS = 6  # of a step that does not reduce the cost
 _UNSETTLED = 0.5  # further change of a derivative of the band, in standard errors: no optimum

@@ -181,7 +181,8 @@ def _prepare_once(store: Store, run: EstimationRun, condition: Condition | None)
     maneuvers = [store.maneuvers.get(number) for number in ids]
     run = hash_request(store, run)  # with the modal tables that it uses
     used = run.data_hash, run.modal_table_id, run.damping_table_id, run.prediction_id
-    key = repr((maneuvers, used, run.structure, run.settings))
+    # Of this database: samples of another one, as of a capsule, are read and checked themselves.
+    key = repr((store.database.url, maneuvers, used, run.structure, run.settings))
     with _preparing:
         if key in _prepared:
             _prepared.move_to_end(key)
