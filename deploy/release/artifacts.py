@@ -128,7 +128,9 @@ def build(dist: Path) -> None:
 
 def list_materials(version: str, lock: Mapping[str, Any], page: Mapping[str, Any]) -> Any:
     """List the packages of the server and of the page as a CycloneDX 1.6 bill of materials."""
-    flexsid = _describe_package("pypi", "flexsid", version, read_project()["license"])
+    flexsid = _describe_package(
+        "pypi", "flexsid", version, [{"expression": read_project()["license"]}]
+    )
     packages = [*_list_python(lock), *_list_javascript(page)]
     return {
         "bomFormat": "CycloneDX",
@@ -144,28 +146,47 @@ def list_materials(version: str, lock: Mapping[str, Any], page: Mapping[str, Any
 
 def _list_python(lock: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for package in lock["packages"]:
-        try:
-            (licence,) = metadata(package["name"]).get_all("License-Expression") or [None]
-        except PackageNotFoundError:  # of another platform
-            licence = None
-        yield _describe_package("pypi", package["name"], package["version"], licence)
+        licences = _read_licences(package["name"])
+        yield _describe_package("pypi", package["name"], package["version"], licences)
+
+
+def _read_licences(name: str) -> list[dict[str, Any]]:
+    """Read the licences of an installed package: an expression of SPDX, or names as it has them.
+
+    Packages built before core metadata 2.4 (PEP 639) have classifiers, and a field of free text,
+    which may be the whole licence.
+    """
+    try:
+        found = metadata(name)
+    except PackageNotFoundError:  # of another platform
+        return []
+    if expressions := found.get_all("License-Expression"):
+        return [{"expression": expressions[0]}]
+    classifiers = [one.split(" :: ") for one in found.get_all("Classifier") or []]
+    names = [parts[-1] for parts in classifiers if parts[0] == "License"]
+    if not names:
+        names = [one for one in found.get_all("License") or [] if one and "\n" not in one]
+    return [{"license": {"name": one}} for one in names]
 
 
 def _list_javascript(page: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for path, package in page["packages"].items():
         if path and not package.get("dev"):
             name = path.rpartition("node_modules/")[2]
-            yield _describe_package("npm", name, package["version"], package.get("license"))
+            licence = package.get("license")
+            licences = [{"expression": licence}] if licence else []
+            yield _describe_package("npm", name, package["version"], licences)
 
 
-def _describe_package(kind: str, name: str, version: str, licence: str | None) -> dict[str, Any]:
+def _describe_package(
+    kind: str, name: str, version: str, licences: list[dict[str, Any]]
+) -> dict[str, Any]:
     url = f"pkg:{kind}/{name.replace('@', '%40')}@{version}"
-    licences = {"licenses": [{"expression": licence}]} if licence else {}
     return {
         "type": "library",
         "bom-ref": url,
         "name": name,
         "version": version,
         "purl": url,
-        **licences,
+        **({"licenses": licences} if licences else {}),
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from datetime import date
 from pathlib import Path
 
@@ -53,7 +52,8 @@ def test_the_description_of_the_software_is_that_of_this_version():
 
 
 def test_the_bill_has_the_packages_of_server_and_page():
-    lock = tomllib.loads('[[packages]]\nname = "numpy"\nversion = "2.4.0"\n')
+    names = {"numpy": "2.4.0", "scipy": "1.17.0", "absent-here": "1"}
+    lock = {"packages": [{"name": name, "version": one} for name, one in names.items()]}
     page = {
         "packages": {
             "": {"version": "0"},
@@ -63,7 +63,11 @@ def test_the_bill_has_the_packages_of_server_and_page():
     }
     bill = list_materials("1.0.0", lock, page)
     found = [one["purl"] for one in bill["components"]]
-    assert found == ["pkg:pypi/numpy@2.4.0", "pkg:npm/%40scope/a@1.0.0"]
+    python = [f"pkg:pypi/{name}@{one}" for name, one in names.items()]
+    assert found == [*python, "pkg:npm/%40scope/a@1.0.0"]
+    licences = [one.get("licenses") for one in bill["components"]]
+    assert "expression" in licences[0][0]  # in metadata of 2.4
+    assert licences[1:] == [[{"license": {"name": "BSD License"}}], None, [{"expression": "MIT"}]]
     assert bill["dependencies"][0]["dependsOn"] == found
 
 
